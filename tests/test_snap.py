@@ -19,7 +19,7 @@ from coilspring.solver.continuation.stability import (
     follow_root,
     predicted_zero,
 )
-from coilspring.solver.system import WATCH
+from coilspring.solver.system import SOFTEST
 from validation.campaign.run import verified
 from validation.campaign.runs import FRICTION_TIME, changed, deviation
 from validation.campaign.scenes import in_units, make_case
@@ -237,7 +237,7 @@ def test_a_bifurcation_is_told_alike_however_rounding_leans():
 )
 def test_a_line_to_zero_is_found_and_kept(stiffness, straight):
     """Half the way to zero at each step."""
-    watch = np.zeros(1, WATCH).view(np.recarray)[0]
+    watch = np.zeros(1, SOFTEST).view(np.recarray)[0]
     watch.value, watch.zero = stiffness(1.0), np.inf
     for before, left in pairwise(0.5 ** np.arange(28)):
         value = stiffness(left)
@@ -253,7 +253,7 @@ def test_a_line_to_zero_is_found_and_kept(stiffness, straight):
 )
 def test_the_zero_that_is_approached_is_that_of_a_line_or_of_a_root(stiffness):
     """Half the way to it at each step: it is never passed, and come to in little more than halvings."""
-    watch = np.zeros(1, WATCH).view(np.recarray)[0]
+    watch = np.zeros(1, SOFTEST).view(np.recarray)[0]
     watch.value, watch.zero, watch.root = stiffness(1.0), np.inf, np.inf
     before, time, count = 0.0, 0.1, 0
     while 1.0 - time > 1e-6:
@@ -269,7 +269,7 @@ def test_the_zero_that_is_approached_is_that_of_a_line_or_of_a_root(stiffness):
 
 
 def test_of_two_zeros_that_differ_the_farther_is_approached_before_a_jump_is_told():
-    watch = np.zeros(1, WATCH).view(np.recarray)[0]
+    watch = np.zeros(1, SOFTEST).view(np.recarray)[0]
     watch.zero, watch.ahead = 0.5 + 1e-11, 0.5 + 1e-13  # of the line, of the root
     doubt_zero(watch, 0.5)
     assert watch.ahead == watch.zero == 0.5 + 1e-11
@@ -279,7 +279,7 @@ def test_of_two_zeros_that_differ_the_farther_is_approached_before_a_jump_is_tol
 
 
 def test_a_stiffness_that_rises_is_not_approached():
-    watch = np.zeros(1, WATCH).view(np.recarray)[0]
+    watch = np.zeros(1, SOFTEST).view(np.recarray)[0]
     for before in (0.5, -0.5, 0.0):
         watch.value, watch.zero, watch.root = before, 0.3, 0.2
         follow_root(watch, 1.0, predicted_zero(0.2, 1.0, 0.1, before), 0.2)

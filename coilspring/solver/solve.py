@@ -20,7 +20,7 @@ from coilspring.solver.outcome import judged, snaps, undecided, verdict, warning
 from coilspring.solver.problem import Problem, Track
 from coilspring.solver.stages import stages
 from coilspring.solver.startup import ready
-from coilspring.solver.system import COMPLETED, NEW_PAIR, NEWTON, PATH, STUCK, SUBSTEP, WATCH, Task, Workspace
+from coilspring.solver.system import COMPLETED, NEW_PAIR, NEWTON, PATH, STUCK, SUBSTEP, Task, Workspace
 
 # Of a substep with the exact tangent: 2 or 3 far from changes of contact, many with kinks.
 MOST_ITERATIONS = 200
@@ -64,7 +64,6 @@ class Walk:
         }
         self.work = Workspace(**arrays)
         self.path, self.substep, self.newton = (np.zeros(1, dtype) for dtype in (PATH, SUBSTEP, NEWTON))
-        self.watch = np.zeros(2, WATCH)
 
     def extend(self, problem: Problem) -> None:
         """Make room for the pairs that a problem has beyond those so far, and for its matrix."""
@@ -92,10 +91,10 @@ class Walk:
             last=work.state,
             history=work.history,
             decrements=work.decrements,
-            far=bool(path["far"]),
-            bifurcates=bool(path["bifurcates"]),
-            snaps=int(path["snaps"]),
-            largest_snap=float(path["largest_snap"]),
+            far=bool(path["snap"]["far"]),
+            bifurcates=bool(path["snap"]["bifurcates"]),
+            snaps=int(path["snap"]["count"]),
+            largest_snap=float(path["snap"]["largest"]),
             undecided=float(path["undecided"]),
         )
 
@@ -125,7 +124,7 @@ def follow_problem(
     while True:
         interruptible(
             follow, *pack(problem.data), problem.prescribed, bundle, task, walk.work, walk.path,
-            walk.substep, walk.newton, walk.watch,
+            walk.substep, walk.newton,
         )  # fmt: skip
         if walk.path[0]["outcome"] != NEW_PAIR or problem.extended is None:
             break

@@ -103,6 +103,97 @@ class Workspace(NamedTuple):
     least_gaps: np.ndarray  # (steps,) least gap of the contact pairs
 
 
+# Found where the path starts; what later numbers are compared with.
+SCALE = np.dtype(
+    [
+        ("reference", "f8"),  # work of the whole load along the tangent
+        ("rounding", "f8"),  # of the potential, over a force
+        ("force", "f8"),  # sizes of the growing load summed, or the first reaction to what is prescribed, N
+        ("dead", "f8"),  # sizes of the dead load summed, N
+        ("stiffness", "f8"),  # least stiffness
+        ("least_pivot", "f8"),
+        ("pressed", "f8"),  # wire diameters by which a pair that creeps may penetrate
+    ],
+    align=True,
+)
+
+# Jumps past limit points, see `coilspring.solver.continuation.snap`.
+SNAP = np.dtype(
+    [
+        ("active", "?"),  # the path is past a limit point
+        ("ends", "i8"),  # outcome where that leads nowhere,
+        ("far", "?"),  # or too far away
+        ("opened", "?"),  # there the stiffness jumps, since a pair opens that sticks
+        ("bifurcates", "?"),  # there the stiffness falls to zero in proportion, by a mode of no work
+        ("count", "i8"),  # of snaps so far,
+        ("largest", "f8"),  # and bound on the largest motion in one of them, wire diameters;
+        ("size", "f8"),  # that of the last one,
+        ("until", "f8"),  # which went on up to this time
+    ],
+    align=True,
+)
+
+# What opening pairs held is released at a constant load.
+RELEASE = np.dtype(
+    [
+        ("active", "?"),  # opening pairs hold something tangentially that is still to be released
+        ("power", "f8"),  # of two by which their tangential stiffness is lowered next
+        ("last", "f8"),  # and that of the last release, 0 where it began with none
+        ("gradual", "f8"),  # up to this time no pair is released again bit by bit,
+        ("sudden", "f8"),  # and to this one none at once
+    ],
+    align=True,
+)
+
+FRICTION = np.dtype(
+    [
+        ("slid", "?"),  # a pair slid
+        ("rise", "f8"),  # of the bounds of friction, see `coilspring.solver.tangential.friction`,
+        ("raised", "f8"),  # and the least that the matrix needs
+        ("turned", "f8"),  # where the determinant of Coulomb's tangent was negative last
+    ],
+    align=True,
+)
+
+# The least stiffness, which ends the path where it falls to zero.
+SOFTEST = np.dtype(
+    [
+        ("value", "f8"),
+        ("time", "f8"),  # at which it had that value
+        ("zero", "f8"),  # time at which it is predicted to be zero,
+        ("root", "f8"),  # the same if it falls as the root of the time that is left; and
+        ("ahead", "f8"),  # that of these two which is approached, see `follow_root` of stability.py,
+        ("linear", "?"),  # along a straight line, see `follow_line` there
+        ("line", "f8"),  # its zero where that line was found,
+        ("reach", "f8"),  # and the time that was left then
+        ("mark", "f8"),  # a value found on the way, which is to become `past`
+        ("mark_time", "f8"),
+        ("past", "f8"),  # the value some time ago: `no_time` of `solver.continuation.stability` at least
+        ("past_time", "f8"),
+    ],
+    align=True,
+)
+
+# How much nearer wires may come before they overlap by more than is allowed.
+ROOM = np.dtype(
+    [
+        ("value", "f8"),  # mm
+        ("time", "f8"),  # at which it was measured
+        ("zero", "f8"),  # time at which it is predicted to be zero
+        ("moved", "f8"),  # bound on all motion since
+    ],
+    align=True,
+)
+
+# A linear stretch, see `coilspring.solver.continuation.stretch`.
+STRETCH = np.dtype(
+    [
+        ("active", "?"),
+        ("begin", "f8"),  # time at which it began
+    ],
+    align=True,
+)
+
 # Where a path stands; its outcomes.
 COMPLETED, CRITICAL, STUCK, NEW_PAIR, JUMP, OVERLAP, EXHAUSTED, TURNED = range(8)
 PATH = np.dtype(
@@ -120,42 +211,21 @@ PATH = np.dtype(
         ("opens", "f8"),  # duration after which a pair that touched last is predicted to open; or infinite
         ("last_step", "f8"),  # duration of the last accepted substep
         ("error", "f8"),  # of its prediction, mm
-        ("snapping", "?"),  # past a limit point, see `coilspring.solver.continuation.snap`
-        ("ends", "i8"),  # outcome where that leads nowhere,
-        ("far", "?"),  # or too far away
-        ("opened", "?"),  # there the stiffness jumps, since a pair opens that sticks
-        ("bifurcates", "?"),  # there the stiffness falls to zero in proportion, by a mode of no work
-        ("snaps", "i8"),  # number of those so far,
-        ("largest_snap", "f8"),  # and bound on the largest motion in one of them, wire diameters;
-        ("snap", "f8"),  # that of the last one,
-        ("snapped", "f8"),  # which went on up to this time
         ("travel", "f8"),  # bound on all motion so far, mm
-        ("releasing", "?"),  # opening pairs hold something tangentially that is still to be released
-        ("release", "f8"),  # power of two by which their tangential stiffness is lowered next
-        ("released", "f8"),  # and that of the last release, 0 where it began with none
-        ("let_go", "f8"),  # up to this time no pair lets go again bit by bit,
-        ("dropped", "f8"),  # and to this one none at once
         ("undecided", "f8"),  # time of the first state beyond which pairs could hold other forces
         ("failed", "?"),  # a substep had to be shortened since the softest mode was evaluated
         ("due", "?"),  # the last accepted state is at a requested time, and not written yet
         ("least_gap", "f8"),  # least gap of the contact pairs
-        ("reference", "f8"),  # work of the whole load along the tangent at the start
-        ("rounding", "f8"),  # of the potential, over a force
-        ("force", "f8"),  # sizes of the growing load summed, or the first reaction to what is prescribed, N
-        ("dead", "f8"),  # sizes of the dead load summed, N
-        ("least_pivot", "f8"),  # at the start
-        ("linear_from", "f8"),  # time at which the linear stretch at hand began
-        ("linear", "?"),  # there is such a stretch
         ("reuse", "?"),  # the last factor is tried first
-        ("creep", "f8"),  # wire diameters by which a pair that creeps may penetrate
         ("fresh", "i8"),  # short steps still to take, since a pair has closed
         ("lost", "?"),  # the last attempt found no equilibrium
-        ("slid", "?"),  # a pair slid
-        ("rise", "f8"),  # of the bounds of friction, see `coilspring.solver.tangential.friction`,
-        ("raised", "f8"),  # and the least that the matrix needs
-        ("turned", "f8"),  # where the determinant of Coulomb's tangent was negative last
-        ("rest_stiffness", "f8"),  # least stiffness at the start
-        ("moved", "f8"),  # bound on all motion since the overlap was measured
+        ("scale", SCALE),
+        ("snap", SNAP),
+        ("release", RELEASE),
+        ("friction", FRICTION),
+        ("stretch", STRETCH),
+        ("softest", SOFTEST),
+        ("room", ROOM),
     ],
     align=True,
 )
@@ -186,8 +256,8 @@ SUBSTEP = np.dtype(
         ("share", "f8"),  # and over the way
         ("distance", "f8"),  # bound on all motion, mm
         ("error", "f8"),  # of the prediction
-        ("room", "f8"),  # see `ROOM`
-        ("moved", "f8"),  # see `PATH`
+        ("room", "f8"),  # see `ROOM`,
+        ("moved", "f8"),  # the same
         ("least_gap", "f8"),  # least gap of the contact pairs
     ],
     align=True,
@@ -219,23 +289,3 @@ NEWTON = np.dtype(
     ],
     align=True,
 )
-
-# A number that ends the path where it falls to zero.
-WATCH = np.dtype(
-    [
-        ("value", "f8"),  # a stiffness, or mm
-        ("time", "f8"),  # at which it had that value
-        ("zero", "f8"),  # time at which it is predicted to be zero,
-        ("root", "f8"),  # the same if it falls as the root of the time that is left; and
-        ("ahead", "f8"),  # that of these two which is approached, see `follow_root` of stability.py,
-        ("linear", "?"),  # along a straight line, see `follow_line` there
-        ("line", "f8"),  # its zero where that line was found,
-        ("reach", "f8"),  # and the time that was left then
-        ("mark", "f8"),  # a value found on the way, which is to become `past`
-        ("mark_time", "f8"),
-        ("past", "f8"),  # the value some time ago: `no_time` of `solver.continuation.stability` at least
-        ("past_time", "f8"),
-    ],
-    align=True,
-)
-SOFTEST, ROOM = 0, 1  # rows: the least stiffness; how much nearer wires may come

@@ -34,27 +34,28 @@ MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a subst
 
 
 @part
-def accept(system, task, work, path, substep, room):
+def accept(system, task, work, path, substep):
     """Make the trial state the last accepted one."""
+    room = path.room
     path.travel += substep.distance
     if substep.several or passes_turn(path, substep):
         path.undecided = min(path.undecided, path.time)
-    if path.releasing:
+    if path.release.active:
         accept_release(task, work, path, substep)
     else:
         accept_step(system, task, work, path, substep)
     if substep.moved == 0.0:
         room.zero = predicted_zero(path.time, substep.room, room.time, room.value)
         room.time = path.time
-    room.value, path.moved = substep.room, substep.moved
+    room.value, room.moved = substep.room, substep.moved
     copy(work.state, work.before)
     copy(work.trial, work.state)
     path.least_gap = substep.least_gap
-    if path.slid:
-        set_rise(work.history, path.rise)
-    if not path.releasing and opening(work.history):
-        path.releasing, path.release = True, np.inf
-    if path.due and not path.releasing:
+    if path.friction.slid:
+        set_rise(work.history, path.friction.rise)
+    if not path.release.active and opening(work.history):
+        path.release.active, path.release.power = True, np.inf
+    if path.due and not path.release.active:
         copy(work.state, work.states[path.row])
         copy_history(work.trial_history, work.histories[path.row])
         work.iterations[path.row], work.least_gaps[path.row] = path.spent, path.least_gap
@@ -66,7 +67,7 @@ def accept(system, task, work, path, substep, room):
 def passes_turn(path, substep):
     """Whether a path with friction goes on past states just ahead that Coulomb's law made unstable: which of
     its pairs slide there, the length of a substep decides."""
-    return path.time <= path.turned < substep.target and path.turned - path.time <= NEAR_END
+    return path.time <= path.friction.turned < substep.target and path.friction.turned - path.time <= NEAR_END
 
 
 @part
@@ -77,12 +78,12 @@ def accept_step(system, task, work, path, substep):
         copy(work.ahead, work.tangent)
         if creeping(work.history):
             path.spent += creep_tangent(system, task, work)
-    if path.snapping:
+    if path.snap.active:
         snapped(task, work, path, substep)
     elif passes_snap(system, task, work, path, substep):
         count_snap(task, work, path, substep)
     path.reuse, path.last_step, path.time = True, substep.duration, substep.target
-    path.error, path.released = substep.error, 0.0
+    path.error, path.release.last = substep.error, 0.0
     path.due = substep.landing
     fresh = touched_first(work.trial_history)
     if path.until < np.inf and fresh.size == 0 and not opening(work.history):
@@ -121,14 +122,14 @@ def opens_again(system, task, work, fresh):
 @part
 def accept_release(task, work, path, substep):
     """What opening pairs held is released, or some of it: the tangent is another one now."""
-    if path.snapping:
+    if path.snap.active:
         snapped(task, work, path, substep)
     copy(work.ahead, work.tangent)
-    if path.time <= path.let_go:
+    if path.time <= path.release.gradual:
         # that they creep leads nowhere from here: how much of it a release leaves, rounding may decide
-        let_go_on(work.history, path.creep * task.diameter)
-    path.releasing, path.released = opening(work.history), path.release
-    path.release *= 2.0
+        let_go_on(work.history, path.scale.pressed * task.diameter)
+    path.release.active, path.release.last = opening(work.history), path.release.power
+    path.release.power *= 2.0
     path.error /= path.last_step**2  # as of a step of length 1, along a straight line
     path.reuse, path.last_step, work.old[0] = True, 1.0, np.inf  # no turn known
     path.opens = np.inf  # what was to open has opened

@@ -48,10 +48,7 @@ from coilspring.solver.system import (
     NEW_PAIR,
     NEWTON,
     PATH,
-    ROOM,
-    SOFTEST,
     SUBSTEP,
-    WATCH,
 )
 
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
@@ -59,83 +56,82 @@ CAREFUL = 2.0  # times the last substep, at most, where next to nothing is left 
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
 
-def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton_, watch, stop):
+def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton_, stop):
     """Follow the equilibrium through the requested times, from the start or from where `path_` stands.
 
     Parameters
     ----------
     reals, ints, prescribed, kernels : see `coilspring.solver.system.System`.
     task, work : `Task` and `Workspace`.
-    path_, substep_, newton_, watch : records, see `coilspring.solver.system`.
+    path_, substep_, newton_ : records, see `coilspring.solver.system`.
     stop : one integer; another thread sets it to end the path at the next substep.
 
-    Eleven arguments: compiled code is entered here, bundles begin inside.
+    Ten arguments: compiled code is entered here, bundles begin inside.
     """
     system = system_of(reals, ints, prescribed, kernels)
     task, work = TaskRef(*lent(task)), WorkRef(*lent(work))
-    path, substep, it, softest = path_[0], substep_[0], newton_[0], watch[SOFTEST]
+    path, substep, it = path_[0], substep_[0], newton_[0]
     if path.tries == 0:
-        begin(system, task, work, path, watch)
+        begin(system, task, work, path)
     elif path.outcome == NEW_PAIR:
         resume(system, task, work, path)
     while path.row < task.times.size and path.outcome == COMPLETED and stop[0] == 0:
-        advance(system, kernels.equilibrium, task, work, path, substep, it, watch)
+        advance(system, kernels.equilibrium, task, work, path, substep, it)
         if path.row == task.times.size or path.outcome != COMPLETED:
-            leaves_stretch(system, task, work, path, softest, path.time)
+            leaves_stretch(system, task, work, path, path.time)
 
 
 @part
-def advance(system, equilibrium, task, work, path, substep, it, watch):
+def advance(system, equilibrium, task, work, path, substep, it):
     """Try a substep, and accept it or have it tried again, shorter."""
-    softest = watch[SOFTEST]
-    if path.releasing and not leaves_stretch(system, task, work, path, softest, path.time):
+    if path.release.active and not leaves_stretch(system, task, work, path, path.time):
         return
-    plan(system, task, work, path, substep, watch)
+    plan(system, task, work, path, substep)
     if path.outcome != COMPLETED:
         return
     predict_trial(system, task, work, path, substep)
     find_equilibrium(system, equilibrium, task, work, path, substep, it)
-    if not keeps_branch(system, task, work, path, substep, watch):
-        if leaves_stretch(system, task, work, path, softest, path.time):
-            shorten(system, task, work, path, substep, softest)
+    if not keeps_branch(system, task, work, path, substep):
+        if leaves_stretch(system, task, work, path, path.time):
+            shorten(system, task, work, path, substep)
         return
-    good = stable_so_far(system, task, work, path, substep, softest)
+    good = stable_so_far(system, task, work, path, substep)
     if good and knows_pairs(system, work, path, substep):
-        watch_stiffness(system, task, work, path, substep, softest)
-        accept(system, task, work, path, substep, watch[ROOM])
+        watch_stiffness(system, task, work, path, substep)
+        accept(system, task, work, path, substep)
 
 
 @part
-def plan(system, task, work, path, substep, watch):
+def plan(system, task, work, path, substep):
     """Time of the next state: no farther than half way to where stiffness or room are predicted to end."""
-    softest, room = watch[SOFTEST], watch[ROOM]
+    softest = path.softest
     path.tries += 1
     if path.tries > MOST_TRIES + path.row:
-        path.outcome = path.ends if path.snapping else EXHAUSTED
+        path.outcome = path.snap.ends if path.snap.active else EXHAUSTED
         return
-    if path.releasing:
+    if path.release.active:
         # at the same load, some of what opening pairs held is released
         substep.target, substep.duration, substep.landing = path.time, 0.0, False
         substep.near_critical = substep.near_overlap = False
         path.bracket = 2.0 * LEAST_STEP
         return
     to_critical = APPROACH * (softest.ahead - path.time)
-    to_overlap = max(APPROACH * (room.zero - path.time), OVERLAP_TIME)
-    known = softest.linear and softest.value <= RIGID * path.rest_stiffness
+    to_overlap = max(APPROACH * (path.room.zero - path.time), OVERLAP_TIME)
+    known = softest.linear and softest.value <= RIGID * path.scale.stiffness
     finest = max(IMPERFECT * path.time, FINEST) if known else FINEST
-    if not path.snapping and (softest.value <= NEUTRAL * path.rest_stiffness or to_critical < finest):
+    if not path.snap.active and (softest.value <= NEUTRAL * path.scale.stiffness or to_critical < finest):
         # just before what vanishes, rounding may do so
-        if leaves_stretch(system, task, work, path, softest, path.time - AHEAD):
+        if leaves_stretch(system, task, work, path, path.time - AHEAD):
             path.bracket = 2.0 * max(softest.zero - path.time, LEAST_STEP)
-            end_or_snap(system, task, work, path, softest, CRITICAL)
+            end_or_snap(system, task, work, path, CRITICAL)
         if path.outcome != COMPLETED:
             return
-    substep.left = softest.value / (WEAK * path.rest_stiffness)
-    if path.snapping:
+    substep.left = softest.value / (WEAK * path.scale.stiffness)
+    if path.snap.active:
         substep.near_critical, substep.duration = True, AHEAD
     else:
         wanted = min(path.next_step, path.until, path.opens)
-        if softest.value < RIGID * path.rest_stiffness:
+        if softest.value < RIGID * path.scale.stiffness:
             wanted = min(wanted, CAREFUL * path.last_step)
         substep.near_critical = path.fresh > 0 or to_critical < wanted
         substep.duration = min(wanted, to_critical, to_overlap, PROBE if path.fresh > 0 else np.inf)
@@ -152,10 +148,10 @@ def predict_trial(system, task, work, path, substep):
     """Predict the state; shorten the substep to where a pair is about to close, whose stiffness is not in
     the tangent."""
     substep.shortened = False
-    if path.snapping or not task.predictor:
+    if path.snap.active or not task.predictor:
         copy(work.state, work.predicted)
         return
-    if path.releasing:
+    if path.release.active:
         predict_release(system, task, work, path, substep)
         return
     bend = curvature(task, work, path.last_step, substep.duration)
@@ -185,8 +181,8 @@ def predict_trial(system, task, work, path, substep):
 @part
 def predict_release(system, task, work, path, substep):
     """Predict what a release leads to: it moves as the last one, in proportion to the powers of two."""
-    known = path.released > 0.0 and path.release <= MOST_RELEASE
-    onward = path.release / path.released if known else 0.0
+    known = path.release.last > 0.0 and path.release.power <= MOST_RELEASE
+    onward = path.release.power / path.release.last if known else 0.0
     system.retract(
         system.reals, system.ints, work.state, work.tangent, 0.0, work.before, -onward, work.predicted
     )
@@ -221,18 +217,18 @@ def free_share(system, task, work, path, bend, substep):
 
 
 @part
-def stable_so_far(system, task, work, path, substep, softest):
+def stable_so_far(system, task, work, path, substep):
     """Whether a linear stretch that ends here is stable; notes where one begins."""
     if substep.status == LINEAR:
-        if not path.linear:
+        if not path.stretch.active:
             copy(work.state, work.origin)
-            path.linear_from, path.linear = path.time, True
+            path.stretch.begin, path.stretch.active = path.time, True
         return True
-    if not path.linear:
+    if not path.stretch.active:
         return True
     # up to where the first pair closes, if none is closed: there the substep landed
     end = substep.target if path.least_gap > 0.0 else path.time
-    return leaves_stretch(system, task, work, path, softest, end)
+    return leaves_stretch(system, task, work, path, end)
 
 
 @part
@@ -253,5 +249,5 @@ def knows_pairs(system, work, path, substep):
 @lru_cache(maxsize=1)
 def compiled_follow() -> Callable:
     """`follow`, compiled; read from the cache where stored."""
-    records = (record_type(dtype) for dtype in (PATH, SUBSTEP, NEWTON, WATCH))
+    records = (record_type(dtype) for dtype in (PATH, SUBSTEP, NEWTON))
     return signed(follow, *system_types(), task_type(), workspace_type(), *records, types.int64[::1])

@@ -18,25 +18,25 @@ LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no 
 
 
 @part
-def shorten(system, task, work, path, substep, softest):
+def shorten(system, task, work, path, substep):
     """Take what failed again, shorter; what is too short ends the path, unless a pair can let go."""
     if path.outcome != COMPLETED:
         return
     path.reuse = False
-    if path.snapping:
-        unstable, ends = substep.trouble == INDEFINITE, path.ends
+    if path.snap.active:
+        unstable, ends = substep.trouble == INDEFINITE, path.snap.ends
         if ends == STUCK and unstable:
             ends = CRITICAL  # negative pivots just ahead are why no substep was short enough
         elif ends == JUMP and path.lost and not unstable:
             ends = STUCK  # the iteration ended, which tells nothing of equilibria nearby
-        if ends == CRITICAL and path.opened and not path.lost:
+        if ends == CRITICAL and path.snap.opened and not path.lost:
             ends = JUMP  # to an equilibrium too far away; nothing is critical here
-        path.snapping, path.outcome, path.far = False, ends, not path.lost
-    elif path.releasing:
+        path.snap.active, path.outcome, path.snap.far = False, ends, not path.lost
+    elif path.release.active:
         release_less(task, path)
     else:
         go_less(task, work, path, substep)
-        rigid = softest.value > RIGID * path.rest_stiffness  # it is no mode that has become soft
+        rigid = path.softest.value > RIGID * path.scale.stiffness  # it is no mode that has become soft
         least = LEAST_STEP
         if rigid and creeping(work.history) and substep.cut == 1.0:
             least = LEAST_CREEP  # one that is only cut, to where a pair touches or opens, does not stall
@@ -47,15 +47,15 @@ def shorten(system, task, work, path, substep, softest):
             if not (rigid and lets_go(system, task, work, path)):
                 # negative pivots however short the step: the stiffness jumps there
                 outcome = CRITICAL if substep.unstable else STUCK
-                outcome = TURNED if abs(path.time - path.turned) <= NEAR_END else outcome
-                end_or_snap(system, task, work, path, softest, outcome)
+                outcome = TURNED if abs(path.time - path.friction.turned) <= NEAR_END else outcome
+                end_or_snap(system, task, work, path, outcome)
 
 
 @part
 def release_less(task, path):
     """Release less of what opening pairs hold; where that is too little, all at once, or the path jumps."""
-    path.release = min(path.release, 2.0 * MOST_RELEASE) * RETRIED
-    if path.release < LEAST_RELEASE:
+    path.release.power = min(path.release.power, 2.0 * MOST_RELEASE) * RETRIED
+    if path.release.power < LEAST_RELEASE:
         path.bracket = 2.0 * LEAST_STEP
         release_or_jump(task, path)
 
@@ -63,10 +63,10 @@ def release_less(task, path):
 @part
 def go_less(task, work, path, substep):
     """Choose a shorter substep, and note what was wrong with this one."""
-    if path.slid and substep.trouble == INDEFINITE:
+    if path.friction.slid and substep.trouble == INDEFINITE:
         raise_bounds(work, path, task.diameter)
     if substep.turned:
-        path.turned = substep.target
+        path.friction.turned = substep.target
     if substep.cut < 1.0:
         path.until = substep.cut * substep.duration
     else:
@@ -79,13 +79,13 @@ def lets_go(system, task, work, path):
     so again at once, by a snap. Returns whether there is one."""
     creeps = creeping(work.history)
     system.update_pairs(system.reals, system.ints, work.state, work.state, work.state, work.history)
-    if not let_go(work.history, path.creep * task.diameter):
+    if not let_go(work.history, path.scale.pressed * task.diameter):
         return False
-    again = path.time <= path.let_go
-    path.let_go, path.next_step, path.until = path.time + LEAST_STEP, FIRST_STEP, np.inf
+    again = path.time <= path.release.gradual
+    path.release.gradual, path.next_step, path.until = path.time + LEAST_STEP, FIRST_STEP, np.inf
     if creeps:
         path.undecided = min(path.undecided, path.time)
-    path.releasing, path.release, path.released = True, np.inf, 0.0
+    path.release.active, path.release.power, path.release.last = True, np.inf, 0.0
     if again:
         release_or_jump(task, path)
     return True

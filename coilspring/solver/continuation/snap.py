@@ -45,15 +45,15 @@ NO_WORK = 1e-4  # of the load times a mode's largest motion: less work is a bifu
 
 
 @part
-def end_or_snap(system, task, work, path, softest, outcome):
+def end_or_snap(system, task, work, path, outcome):
     """The path ends with an outcome, unless at a limit point: there a snap is tried first."""
-    path.ends, straight = outcome, vanishes(system, task, work, path, softest)
+    path.snap.ends, straight = outcome, vanishes(system, task, work, path)
     if straight:
-        path.ends, path.bracket = CRITICAL, 2.0 * max(softest.zero - path.time, FINEST)
+        path.snap.ends, path.bracket = CRITICAL, 2.0 * max(path.softest.zero - path.time, FINEST)
     stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
-    path.reuse, opens = False, not straight and jumps(path, softest, stiffness)
+    path.reuse, opens = False, not straight and jumps(path, stiffness)
     limit = opens or is_limit_point(system, task, work, path, stiffness, straight)
-    path.opened = opens and stiffness > RIGID * path.rest_stiffness and sticks(work.history)
+    path.snap.opened = opens and stiffness > RIGID * path.scale.stiffness and sticks(work.history)
     snap_or_end(system, task, path, limit, straight)
 
 
@@ -61,10 +61,10 @@ def end_or_snap(system, task, work, path, softest, outcome):
 def snap_or_end(system, task, path, limit, straight):
     """A snap at a limit point, else the end; at a bifurcation the stiffness falls along a `straight` line."""
     # a prescribed motion may still work on such a mode
-    path.bifurcates = straight and not limit and system.prescribed.size == 0
-    path.snapping = task.predictor and limit
-    if not path.snapping:
-        path.outcome = path.ends
+    path.snap.bifurcates = straight and not limit and system.prescribed.size == 0
+    path.snap.active = task.predictor and limit
+    if not path.snap.active:
+        path.outcome = path.snap.ends
 
 
 @part
@@ -82,9 +82,10 @@ def leave_saddle(system, task, work):
 def release_or_jump(task, path):
     """All that opening pairs hold is released at once, to an equilibrium nearby, or the path jumps; it does
     where that was done just before."""
-    path.snapping, path.release, path.ends = task.predictor and path.time > path.dropped, np.inf, JUMP
-    path.dropped = path.time + LEAST_STEP
-    if not path.snapping:
+    path.snap.active, path.snap.ends = task.predictor and path.time > path.release.sudden, JUMP
+    path.release.power = np.inf
+    path.release.sudden = path.time + LEAST_STEP
+    if not path.snap.active:
         path.outcome = JUMP
 
 
@@ -100,7 +101,7 @@ def is_limit_point(system, task, work, path, stiffness, straight):
 def is_loaded(system, task, work, path, stiffness):
     """Whether the load, or a prescribed motion, works on the softest mode, of a stiffness."""
     if system.prescribed.size > 0:
-        return driven(system, task, work, stiffness, path.rest_stiffness)
+        return driven(system, task, work, stiffness, path.scale.stiffness)
     moved(system, work.state, work.mode, ALONG_MODE * task.diameter, work.scratch)
     work_done = system.work(system.reals, system.ints, task.load, work.state, work.scratch)
     distance, _, _ = displacement_bound(system, work.state, work.scratch, np.inf)
@@ -129,7 +130,7 @@ def along(task, a, b):
 def snapped(task, work, path, substep):
     """Go on from where a snap led as from a start."""
     count_snap(task, work, path, substep)
-    path.snapping, path.next_step, work.old[0] = False, PROBE, np.inf  # no turn known
+    path.snap.active, path.next_step, work.old[0] = False, PROBE, np.inf  # no turn known
 
 
 @part
@@ -137,10 +138,10 @@ def count_snap(task, work, path, substep):
     """Count a snap in the substep from the path's time on, or the last one's going on; what remembers where
     it slid may be held otherwise beyond."""
     size = substep.distance / task.diameter
-    if path.time > path.snapped:
-        path.snaps, path.snap = path.snaps + 1, 0.0
-    path.snap, path.snapped = path.snap + size, substep.target
-    path.largest_snap = max(path.largest_snap, path.snap)
+    if path.time > path.snap.until:
+        path.snap.count, path.snap.size = path.snap.count + 1, 0.0
+    path.snap.size, path.snap.until = path.snap.size + size, substep.target
+    path.snap.largest = max(path.snap.largest, path.snap.size)
     if substep.distance > least_told(task, path) and has_history(work.history):
         path.undecided = min(path.undecided, path.time)
 

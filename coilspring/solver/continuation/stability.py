@@ -94,15 +94,17 @@ def no_time(time):
 
 
 @part
-def vanishes(system, task, work, path, softest):
+def vanishes(system, task, work, path):
     """Whether the least stiffness tends to zero along a straight line, just ahead: at a bifurcation. Towards
     a limit point it falls as the root of the time that is left.
 
     Where much is left, or it fell so fast that the predictions on the way may be too few to tell, the last
     substep is looked at.
     """
-    goes_on = path.released == 0.0 and path.snapped < path.time  # from the state before, by neither of these
-    if goes_on and not softest.linear and jumps(path, softest, softest.value):
+    softest = path.softest
+    # from the state before, by neither of these
+    goes_on = path.release.last == 0.0 and path.snap.until < path.time
+    if goes_on and not softest.linear and jumps(path, softest.value):
         zero = line_within(system, task, work, path)
         if 0.0 < zero - path.time <= no_time(path.time):
             softest.zero, softest.linear = zero, True
@@ -145,26 +147,27 @@ def stiffness_at(system, task, work, path, state, settled):
 
 
 @part
-def jumps(path, softest, stiffness):
+def jumps(path, stiffness):
     """Whether the least stiffness, now of a value, does not tend to zero but jumps, as where a pair opens."""
-    least = no_time(path.time)
+    softest, least = path.softest, no_time(path.time)
     fallen = (softest.past - stiffness) / max((path.time - softest.past_time) / least, 1.0)
     if abs(path.time - softest.time) <= least:
         fallen = max(fallen, softest.value - stiffness)
     # a pair about to open may count as open, by rounding
-    return stiffness > RIGID * path.rest_stiffness or fallen > SUDDEN_FALL * path.rest_stiffness
+    return stiffness > RIGID * path.scale.stiffness or fallen > SUDDEN_FALL * path.scale.stiffness
 
 
 @part
-def watch_stiffness(system, task, work, path, substep, softest):
+def watch_stiffness(system, task, work, path, substep):
     """Evaluate the softest mode where little is left of its stiffness, and now and then; predict its zero.
 
     A pair that closes turns the slope of the stiffness, and steeply where a displacement is prescribed: it is
     evaluated there, and after a short step; and where substeps fail, perhaps since a critical point is near.
     """
-    if path.releasing:
+    if path.release.active:
         path.fresh = 1
         return
+    softest = path.softest
     first = substep.least_gap <= 0.0 < path.least_gap
     closing = (substep.shortened or first) and (substep.left < 1.0 or system.prescribed.size > 0)
     path.fresh = 1 if closing else max(path.fresh - 1, 0)
@@ -178,15 +181,15 @@ def watch_stiffness(system, task, work, path, substep, softest):
         factor_state(system, work, work.trial, work.trial_history)
         path.spent += 1
     value = least_stiffness(system, task, work, softest.value, EXACT if near else SETTLED)
-    if value > NEUTRAL * path.rest_stiffness or value < softest.value:
+    if value > NEUTRAL * path.scale.stiffness or value < softest.value:
         zero = predicted_zero(substep.target, value, softest.time, softest.value)
-        other = path.snapping or path.released > 0.0  # the state before is of another branch
+        other = path.snap.active or path.release.last > 0.0  # the state before is of another branch
         follow_root(softest, value, zero, substep.target)
         follow_line(softest, value, zero, substep.target)
         if other or has_friction(work.history):
             softest.ahead = zero  # with friction another determinant vanishes first, see `solver.coulomb`
         softest.linear = softest.linear and not other
-    if value > RIGID * path.rest_stiffness and not softest.linear:
+    if value > RIGID * path.scale.stiffness and not softest.linear:
         doubt_zero(softest, substep.target)
     softest.value, softest.time, path.failed = value, substep.target, False
     if substep.target >= softest.mark_time + no_time(substep.target):

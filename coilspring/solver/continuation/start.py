@@ -8,14 +8,14 @@ from coilspring.contact.touching import creep_to
 from coilspring.solver.continuation.stability import SETTLED, begin_watch, least_stiffness
 from coilspring.solver.continuation.substep import free_room
 from coilspring.solver.equilibrium.operations import assembled, factored, solution
-from coilspring.solver.system import CHANGE, COMPLETED, CRITICAL, NEW_PAIR, ROOM, SOFTEST
+from coilspring.solver.system import CHANGE, COMPLETED, CRITICAL, NEW_PAIR
 
 FIRST_STEP = 0.1  # largest first substep: the tangent at rest knows nothing of the contact to come
 EPSILON = 2.0**-52
 
 
 @part
-def begin(system, task, work, path, watch):
+def begin(system, task, work, path):
     """State, tangent and least stiffness at the start, and the first substep."""
     copy(task.start, work.state)
     copy(task.start, work.trial)
@@ -23,16 +23,17 @@ def begin(system, task, work, path, watch):
     copy(task.start, work.origin)
     path.last_step, work.old[0] = 1.0, np.inf  # no state before, no turn known
     path.next_step, path.until, path.opens = min(task.times[0], FIRST_STEP), np.inf, np.inf
-    path.releasing, path.release, path.released, path.linear_from = False, 0.0, 0.0, 0.0
-    path.let_go, path.turned, path.dropped, path.snapped = -np.inf, -np.inf, -np.inf, -np.inf
+    path.release.active, path.release.power, path.release.last, path.stretch.begin = False, 0.0, 0.0, 0.0
+    path.release.gradual, path.release.sudden = -np.inf, -np.inf
+    path.friction.turned, path.snap.until = -np.inf, -np.inf
     path.undecided = np.inf
     path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
     path.outcome = NEW_PAIR if path.least_gap == -np.inf else COMPLETED
     factor_start(system, task, work, path)
     set_scales(system, task, work, path)
-    softest, room = watch[SOFTEST], watch[ROOM]
+    softest, room = path.softest, path.room
     begin_watch(softest, least_stiffness(system, task, work, np.inf, SETTLED), 0.0)
-    path.rest_stiffness = softest.value
+    path.scale.stiffness = softest.value
     if path.least_gap <= TOUCH * task.diameter:
         # what touches at rest is no part of the tangent, nor of the stiffness
         path.fresh = 2
@@ -48,7 +49,7 @@ def factor_start(system, task, work, path):
     path.pairs += pairs
     copy(work.rest, work.F)
     copy(work.state, work.factored_at)
-    negative, path.least_pivot = factored(system, work.F)
+    negative, path.scale.least_pivot = factored(system, work.F)
     path.spent += 1
     path.reuse = True
     if negative > 0:
@@ -61,7 +62,7 @@ def resume(system, task, work, path):
     """Go on from the last accepted state with pairs that are new: the matrix has other places."""
     assembled(system, task.start, np.inf, work.history, task.start, work.g, work.rest)
     copy(work.rest, work.F)
-    _, path.least_pivot = factored(system, work.F)  # in another order of elimination
+    _, path.scale.least_pivot = factored(system, work.F)  # in another order of elimination
     path.spent += 1
     path.least_gap = system.update_history(system.reals, system.ints, work.state, work.history)
     path.reuse, path.outcome = False, COMPLETED
@@ -82,6 +83,7 @@ def set_scales(system, task, work, path):
         elif load[i] != 0.0:
             # the load that fixes the top less the tangent's last digits, in which the reaction is
             reference += load[i] * (change - tangent[i])
-    path.reference, path.rounding, path.dead = reference, 2.0 * EPSILON * task.span, standing
-    path.force = force if change == 0.0 else abs(reference / change)
-    path.creep = creep_to(path.force + standing, task.diameter, task.penalty, task.exponent)
+    scale = path.scale
+    scale.reference, scale.rounding, scale.dead = reference, 2.0 * EPSILON * task.span, standing
+    scale.force = force if change == 0.0 else abs(reference / change)
+    scale.pressed = creep_to(scale.force + standing, task.diameter, task.penalty, task.exponent)

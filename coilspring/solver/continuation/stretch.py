@@ -49,31 +49,32 @@ def unstable_time(system, work, history, begin, end, least_gap):
 
 
 @part
-def leaves_stretch(system, task, work, path, softest, end):
+def leaves_stretch(system, task, work, path, end):
     """End the linear stretch that led here, if one did: whether it is stable up to the time `end`. Else the
     path goes back to where it ceases to be, and ends there, or snaps."""
-    if not path.linear or end < path.linear_from:
-        path.linear = False
+    if not path.stretch.active or end < path.stretch.begin:
+        path.stretch.active = False
         return True
-    path.linear, history = False, work.low
+    path.stretch.active, history = False, work.low
     copy_history(work.history, history)
     begin_attempt(history, 0.0, 0.0, True)  # what a substep beyond made of it is taken back
     wide = path.least_gap > 0.0
-    critical, count = unstable_time(system, work, history, path.linear_from, end, np.inf if wide else 0.0)
+    critical, count = unstable_time(system, work, history, path.stretch.begin, end, np.inf if wide else 0.0)
     path.checks += count
     if critical == np.inf:
         return True
     copy_history(history, work.history)
     go_back(system, task, work, path, critical)
+    softest = path.softest
     if softest.linear and abs(softest.zero - critical) <= no_time(critical):
-        end_or_snap(system, task, work, path, softest, CRITICAL)
+        end_or_snap(system, task, work, path, CRITICAL)
         return False
     stiffness = stiffness_at(system, task, work, path, work.state, SETTLED)
     begin_watch(softest, stiffness, critical)
     # all states of the stretch are on one line: that the stiffness falls along one tells nothing
-    opens = stiffness > RIGID * path.rest_stiffness
+    opens = stiffness > RIGID * path.scale.stiffness
     limit = opens or is_loaded(system, task, work, path, stiffness)
-    path.opened = opens and sticks(work.history)
+    path.snap.opened = opens and sticks(work.history)
     snap_or_end(system, task, path, limit, True)
     return False
 
@@ -81,12 +82,13 @@ def leaves_stretch(system, task, work, path, softest, end):
 @part
 def go_back(system, task, work, path, time):
     """Put the path to a time on the stretch, and forget what lies beyond."""
-    moved(system, work.origin, work.tangent, time - path.linear_from, work.state)
+    moved(system, work.origin, work.tangent, time - path.stretch.begin, work.state)
     put_prescribed(system, task.start, time, work.state)
     path.time, path.bracket, path.until, path.opens = time, LEAST_STEP, np.inf, np.inf
     # pairs may be nearer than where it was found, and wires than where they were looked at last
-    path.least_gap, path.moved = min(path.least_gap, 0.0), np.inf
-    path.outcome, path.ends, path.releasing, path.due, path.reuse = COMPLETED, CRITICAL, False, False, False
+    path.least_gap, path.room.moved = min(path.least_gap, 0.0), np.inf
+    path.outcome, path.snap.ends = COMPLETED, CRITICAL
+    path.release.active, path.due, path.reuse = False, False, False
     while path.row > 0 and task.times[path.row - 1] > time:
         path.row -= 1
         path.spent += work.iterations[path.row]

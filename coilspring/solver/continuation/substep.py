@@ -38,7 +38,7 @@ from coilspring.solver.equilibrium.operations import (
     put_prescribed,
     stale_solution,
 )
-from coilspring.solver.system import OVERLAP, ROOM, SOFTEST, Target
+from coilspring.solver.system import OVERLAP, Target
 from coilspring.solver.tangential.creep import update_creep
 from coilspring.solver.tangential.friction import let_flow, slides_stably, solve_bounds
 
@@ -71,22 +71,23 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
     for i in range(load.size):
         load[i] = dead[i] + time * growing[i]
     put_prescribed(system, task.start, substep.target, work.trial)
-    loaded = path.dead + path.force * substep.target
+    scale = path.scale
+    loaded = scale.dead + scale.force * substep.target
     # so that along a soft mode, too, states are found as exactly as along a stiff one
-    precision = 1.0 if path.snapping else min(max(substep.left, LEAST_PRECISION), 1.0)
-    limit = task.limit * snap.LONGER if path.snapping else task.limit
+    precision = 1.0 if path.snap.active else min(max(substep.left, LEAST_PRECISION), 1.0)
+    limit = task.limit * snap.LONGER if path.snap.active else task.limit
     ratio = substep.duration / path.last_step
     begin_attempt(work.history, substep.duration, ratio, work.old[0] == np.inf)
-    if path.releasing:
-        release(work.history, 2.0**-path.release if path.release <= MOST_RELEASE else 0.0)
+    if path.release.active:
+        release(work.history, 2.0**-path.release.power if path.release.power <= MOST_RELEASE else 0.0)
     update_pairs(system, work, work.predicted)
     keep_bounds(work.history)
     target = Target(
-        work.state, path.least_gap, work.history, work.load, path.reference * substep.target**2, precision,
-        path.reference * substep.duration**2, path.rounding * loaded, path.rounding,
+        work.state, path.least_gap, work.history, work.load, scale.reference * substep.target**2, precision,
+        scale.reference * substep.duration**2, scale.rounding * loaded, scale.rounding,
         tangential_stiffness(task.penalty, task.exponent, task.diameter),
         limit, most_damped(system, task, work, path, limit),
-        snap.SHIFT if path.snapping else FIRST_SHIFT, task.modified, path.least_pivot,
+        snap.SHIFT if path.snap.active else FIRST_SHIFT, task.modified, scale.least_pivot,
     )  # fmt: skip
     substep.rounds, substep.iterations, substep.trouble, substep.cut = 0, 0, NONE, 1.0
     substep.turned, substep.several, substep.unstable = False, False, False
@@ -100,11 +101,11 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         substep.trouble, substep.tolerance = max(substep.trouble, it.trouble), max(it.tolerance, it.rounding)
         path.spent += it.count
         path.pairs += it.pairs
-        if substep.status == LINEAR and (substep.rounds > 0 or path.releasing):
+        if substep.status == LINEAR and (substep.rounds > 0 or path.release.active):
             substep.status = CONVERGED
         substep.rounds += 1
         copy_history(work.history, work.trial_history)  # with the bounds that this state was found with
-        if path.snapping and substep.status == SADDLE and substep.rounds <= snap.SADDLES:
+        if path.snap.active and substep.status == SADDLE and substep.rounds <= snap.SADDLES:
             snap.leave_saddle(system, task, work)
             path.reuse = False
             continue
@@ -124,7 +125,7 @@ def most_damped(system, task, work, path, limit):
     """Iterations through an indefinite matrix, at most: none where what they lead to is refused, see
     `coilspring.solver.continuation.branch.continues`. Contact that remembers may take it, or learn from it
     where a pair touches or opens."""
-    if path.snapping:
+    if path.snap.active:
         return limit
     if task.located < np.inf or not task.predictor:
         return MOST_DAMPED
@@ -141,25 +142,25 @@ def update_held(system, task, work, path, substep, before):
     """
     change = update_pairs(system, work, work.trial)
     end = located(work.history)
-    if end < 1.0 and can_shorten(path, substep, 2.0 * LEAST_STEP) and not path.snapping:
+    if end < 1.0 and can_shorten(path, substep, 2.0 * LEAST_STEP) and not path.snap.active:
         substep.cut = min(max(end, LEAST_CUT), MOST_CUT)
         return 0.0
     left = 0.0
     if creeping(work.history):
-        left = update_creep(system, task, work, substep, path.creep)
+        left = update_creep(system, task, work, substep, path.scale.pressed)
         path.spent += left > 1.0
     stable = True
-    if path.snapping and has_friction(work.history):
+    if path.snap.active and has_friction(work.history):
         stable = let_flow(system, task, work, substep)
         path.spent += 1
     if change <= BOUND_CHANGE and left <= 1.0 and stable:
         missed = stuck_from(work.history) * substep.duration / path.last_step
-        if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snapping:
+        if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snap.active:
             substep.cut = max(LEAST_CUT, min(CREEP_CUT, MISSED * task.diameter / missed))
         return 0.0
-    newton = left == 0.0 and substep.rounds > RENEWED and not path.snapping
+    newton = left == 0.0 and substep.rounds > RENEWED and not path.snap.active
     slow = newton and substep.rounds > RENEWED + SLOW and change > GAIN * before
-    most = snap.ROUNDS if path.snapping else MOST_ROUNDS
+    most = snap.ROUNDS if path.snap.active else MOST_ROUNDS
     if slow or substep.rounds == most or left == np.inf:
         substep.status = FAILED
         return 0.0
@@ -172,7 +173,7 @@ def update_held(system, task, work, path, substep, before):
 @part
 def can_shorten(path, substep, least):
     """Whether the release at hand, or a substep of the `least` duration at least, can be taken shorter."""
-    return path.release >= 2.0 * LEAST_RELEASE if path.releasing else substep.duration >= least
+    return path.release.power >= 2.0 * LEAST_RELEASE if path.release.active else substep.duration >= least
 
 
 @part
@@ -183,37 +184,37 @@ def update_pairs(system, work, state):
 
 
 @part
-def keeps_branch(system, task, work, path, substep, watch):
+def keeps_branch(system, task, work, path, substep):
     """Whether the trial state continues the branch; sets the outcome where wires overlap just ahead."""
     if path.lost or substep.cut < 1.0:
         return False
-    stiffness, small = watch[SOFTEST].value, SMALL_TURN * task.diameter
-    if stiffness < WEAK * path.rest_stiffness:
+    stiffness, small = path.softest.value, SMALL_TURN * task.diameter
+    if stiffness < WEAK * path.scale.stiffness:
         small = small_turn(task, stiffness, substep.tolerance)
-    judged = (task.predictor or path.releasing) and not path.snapping
+    judged = (task.predictor or path.release.active) and not path.snap.active
     good, substep.turn, substep.share, substep.distance, substep.error = continues(
         system, task, work, substep.trouble, judged, small
     )
-    if path.releasing and path.release == np.inf and grazes(work.history, OPEN * task.diameter):
+    if path.release.active and path.release.power == np.inf and grazes(work.history, OPEN * task.diameter):
         substep.several = substep.several or substep.distance > snap.least_told(task, path)
     # so far in no time is a snap too
-    snaps = path.snapping or (substep.duration <= snap.NO_TIME and not path.releasing)
+    snaps = path.snap.active or (substep.duration <= snap.NO_TIME and not path.release.active)
     good = good and (substep.distance <= snap.LARGEST * task.diameter or not snaps)
-    good = good and (path.releasing or not turns_too_far(work, substep))
-    substep.room, substep.moved = watch[ROOM].value, path.moved + substep.distance
+    good = good and (path.release.active or not turns_too_far(work, substep))
+    substep.room, substep.moved = path.room.value, path.room.moved + substep.distance
     if good and (NEARER * substep.moved >= substep.room or substep.near_overlap):
         substep.room, substep.moved = free_room(system, task, work.trial), 0.0
         good = substep.room >= 0.0 and clear_between(system, task, work, path, substep)
-        if not (good or path.snapping or can_shorten(path, substep, OVERLAP_TIME)):
+        if not (good or path.snap.active or can_shorten(path, substep, OVERLAP_TIME)):
             path.outcome = OVERLAP
     if not good or substep.status == LINEAR:
         return good
-    if path.least_gap > 0.0 and not path.snapping and hides_instability(system, work, path):
+    if path.least_gap > 0.0 and not path.snap.active and hides_instability(system, work, path):
         return False
     if slides(work.history):
         return slides_stably(system, task, work, path, substep)
     stale_solution(system, work, work.trial, task.load, 1.0, work.ahead)
-    if not task.predictor or path.snapping or has_history(work.history):
+    if not task.predictor or path.snap.active or has_history(work.history):
         return True
     return not jumped(system, task, work, substep.distance, substep.duration)
 
@@ -242,7 +243,7 @@ def hides_instability(system, work, path):
 def clear_between(system, task, work, path, substep):
     """Whether wires overlap by no more than allowed half way, too: coils that slip past each other may do so
     only there."""
-    if path.snapping or path.releasing or 0.5 * NEARER * substep.distance < substep.room:
+    if path.snap.active or path.release.active or 0.5 * NEARER * substep.distance < substep.room:
         return True
     moved(system, work.state, work.tangent, 0.5 * substep.duration, work.scratch)
     put_prescribed(system, task.start, substep.target - 0.5 * substep.duration, work.scratch)

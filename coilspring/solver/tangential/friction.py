@@ -37,20 +37,22 @@ LEAST_DAMPING, MOST_DAMPING = 1e-9, 1e12  # with more, rises are no numbers: bou
 @part
 def slides_stably(system, task, work, path, substep):
     """Whether the trial state, where pairs slide, is stable; sets how their bounds rise, and the tangent."""
-    path.slid = True
+    friction = path.friction
+    friction.slid = True
     path.spent += 1
     if factor_state(system, work, work.trial, work.trial_history) > 0:
         substep.trouble, substep.unstable = INDEFINITE, True
         return False
-    path.rise = rise_of_bounds(system, task, work)
-    if path.raised > 0.0:
+    friction.rise = rise_of_bounds(system, task, work)
+    if friction.raised > 0.0:
         copy_history(work.trial_history, work.low)
-        set_rise(work.low, path.rise)
+        set_rise(work.low, friction.rise)
         path.spent += 1
         if factor_state(system, work, work.trial, work.low) == 0:
             # the next prediction may be as far off as this one was
-            path.raised = path.raised / LOWERED if path.raised * task.diameter > MOST_RISE / RAISED else 0.0
-        path.rise = max(path.rise, path.raised)
+            lowers = friction.raised * task.diameter > MOST_RISE / RAISED
+            friction.raised = friction.raised / LOWERED if lowers else 0.0
+        friction.rise = max(friction.rise, friction.raised)
     path.spent += 1
     substep.turned = slide_tangent(system, task, work) < 0
     return not substep.turned
@@ -59,9 +61,10 @@ def slides_stably(system, task, work, path, substep):
 @part
 def raise_bounds(work, path, diameter):
     """Let bounds rise more steeply with the slips, where the matrix is indefinite otherwise."""
-    if path.raised * diameter < HIGHEST:
-        path.raised = max(RAISED * path.raised, MOST_RISE / diameter)
-        set_rise(work.history, path.raised)
+    friction = path.friction
+    if friction.raised * diameter < HIGHEST:
+        friction.raised = max(RAISED * friction.raised, MOST_RISE / diameter)
+        set_rise(work.history, friction.raised)
 
 
 @part
