@@ -99,7 +99,7 @@ class EquilibriumPath:
     critical_time : middle of the time bracket of a critical point, or None.
     critical_bracket : length of that bracket, or None.
     undecided_time : time from which on coils can hold each other by other forces as well, since sticking
-        pairs creep, friction snapped, or Coulomb's law is unstable just ahead: beyond it the answer may
+        pairs graze, friction snapped, or Coulomb's law is unstable just ahead: beyond it the answer may
         depend on the steps; or None.
     end_bracket : times between which a path ends that did not complete, or None.
     last_state : (n,) the last equilibrium of such a path, at the first of these times, or None.
@@ -247,8 +247,8 @@ class EquilibriumPath:
         if histories is None or not self.scene.contact.enabled:
             return tangents
         released = histories["released"]  # all of it where the pair is free, nothing where it is pressed
-        creeping = (histories["creeps"] & (released > 0.0) & (released < 1.0)).any(axis=-1)
-        return np.where(creeping, secants(self, directions)[rows], tangents) if creeping.any() else tangents
+        grazing = (histories["grazes"] & (released > 0.0) & (released < 1.0)).any(axis=-1)
+        return np.where(grazing, secants(self, directions)[rows], tangents) if grazing.any() else tangents
 
     @cached_property
     def max_stress(self) -> np.ndarray | None:

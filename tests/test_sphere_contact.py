@@ -272,7 +272,7 @@ def test_a_release_in_parts_loses_as_much_as_at_once():
     assert row.work == pytest.approx(0.5 * 500.0 * 0.07)
 
 
-def test_a_pair_that_touches_again_creeps_with_what_it_holds():
+def test_a_pair_that_touches_again_grazes_with_what_it_holds():
     """It sticks from there with the whole stiffness; what it lost is the energy that is missing."""
     row = accepted(held(np.array([0.0, D, 0.0])), np.array([0.05, 1.001 * D, 0.0]), np.inf)
     row.released = 1.0 - 250.0 / (K * 0.06)
@@ -280,7 +280,7 @@ def test_a_pair_that_touches_again_creeps_with_what_it_holds():
     before = pair_friction(g, row, LAW)
     assert np.linalg.norm(before.force) == pytest.approx(250.0, rel=1e-3)
     row = accepted(row, g, np.inf)
-    assert row.creeps
+    assert row.grazes
     after = pair_friction(g, row, LAW)
     np.testing.assert_allclose(
         after.force, before.force, rtol=2e-3, atol=15.0

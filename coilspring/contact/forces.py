@@ -48,7 +48,7 @@ def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Frict
     """
     d = law.d
     held, normal = histories["closed"], histories["normal"]
-    arcs = np.isfinite(histories["bound"]) | histories["creeps"]
+    arcs = np.isfinite(histories["bound"]) | histories["grazes"]
     g = vectors - histories["vector"]
     stuck = g - (g * normal).sum(axis=-1, keepdims=True) * normal
     h = np.linalg.norm(vectors, axis=-1)

@@ -16,7 +16,7 @@ def copy_history(source, target):
 
 @part
 def begin_attempt(history, duration, ratio, straight):
-    """Take back what an attempt made of pairs that were open, or creep; in its `duration` those are expected
+    """Take back what an attempt made of pairs that were open, or graze; in its `duration` those are expected
     to slip by `ratio` times what they did in the last substep.
 
     The direction in which a pair slides at the end of a substep is that of the parabola through the last
@@ -28,10 +28,10 @@ def begin_attempt(history, duration, ratio, straight):
         if row.fresh:
             row.closed = row.fresh = False
         row.released, row.least, row.most = 0.0, -1.0, 2.0
-        slides = row.stride > 0.0 and (row.creeps or row.bound < np.inf)
+        slides = row.stride > 0.0 and (row.grazes or row.bound < np.inf)
         row.wanted = 0.0 if straight or not slides else ratio**2 / (1.0 + 2.0 * ratio)
         slip = ratio * row.slip - row.wanted * row.stride
-        if row.creeps and slip > 0.0 and row.before > 0.0:
+        if row.grazes and slip > 0.0 and row.before > 0.0:
             more = max(row.growth * duration / row.stiffness, -row.before)
             row.released = max(slip - more, 0.0) / (row.before + slip)
 
@@ -73,7 +73,7 @@ def located(history):
     share = 1.0
     for m in range(history.shape[0]):
         row = history[m]
-        if row.closed and not row.creeps and (row.fresh or row.opening or row.bound == np.inf):
+        if row.closed and not row.grazes and (row.fresh or row.opening or row.bound == np.inf):
             share = min(share, row.cut)
     return share
 
@@ -87,7 +87,7 @@ def release(history, share):
 
 
 @part
-def grazes(history, deep):
+def barely_pressed(history, deep):
     """Whether a pair that opened is pressed again without what it held, by no more than `deep`, mm: that it
     opened at all is known no better."""
     for m in range(history.shape[0]):  # noqa: SIM110
@@ -98,27 +98,27 @@ def grazes(history, deep):
 
 @part
 def let_go(history, pressed):
-    """Have pairs released that creep, or that are about to open: `pressed`, mm, by no more than those that
-    creep may be, and stretched by more. Returns whether there is one."""
+    """Have pairs released that graze, or that are about to open: `pressed`, mm, by no more than those that
+    graze may be, and stretched by more. Returns whether there is one."""
     found = False
     for m in range(history.shape[0]):
         row = history[m]
         sticks = row.closed and row.bound == np.inf and not (row.fresh or row.opening)
-        if row.creeps or (sticks and -pressed < row.gap <= 0.0 and row.before > pressed):
-            if not row.creeps:
+        if row.grazes or (sticks and -pressed < row.gap <= 0.0 and row.before > pressed):
+            if not row.grazes:
                 row.held = row.kept * row.stiffness * row.before
-            row.creeps, row.opening, found = False, True, True
+            row.grazes, row.opening, found = False, True, True
     return found
 
 
 @part
 def let_go_on(history, pressed):
     """Have pairs that were let go released further where they just touch again: no more pressed, mm, than
-    those that creep may be."""
+    those that graze may be."""
     for m in range(history.shape[0]):
         row = history[m]
-        if row.creeps and row.held > 0.0 and row.gap > -pressed:
-            row.creeps, row.opening = False, True
+        if row.grazes and row.held > 0.0 and row.gap > -pressed:
+            row.grazes, row.opening = False, True
 
 
 @part
@@ -131,31 +131,31 @@ def has_history(history):
 
 
 @part
-def creeping(history):
-    """Whether a pair creeps."""
+def grazing(history):
+    """Whether a pair grazes."""
     for m in range(history.shape[0]):  # noqa: SIM110
-        if history[m].creeps:
+        if history[m].grazes:
             return True
     return False
 
 
 @part
 def stuck_from(history):
-    """The largest slip in the last substep, mm, of the pairs that crept then and stick now."""
+    """The largest slip in the last substep, mm, of the pairs that grazed then and stick now."""
     most = 0.0
     for m in range(history.shape[0]):
         row = history[m]
-        if row.creeps and row.released == 0.0 and row.gap < 0.0:
+        if row.grazes and row.released == 0.0 and row.gap < 0.0:
             most = max(most, row.slip)
     return most
 
 
 @part
 def largest_slip(history):
-    """Of the pairs that creep, in the last substep, mm."""
+    """Of the grazing pairs, in the last substep, mm."""
     most = 0.0
     for m in range(history.shape[0]):
-        if history[m].creeps:
+        if history[m].grazes:
             most = max(most, history[m].slip)
     return most
 

@@ -11,7 +11,7 @@ from coilspring.contact.touching import located_to
 
 TOUCH = 0.002  # wire diameters by which a pair that nothing holds may penetrate where a prediction closes it
 OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the deepest pair does
-APART = 4e-6  # wire diameters: a pair that sticks and is nearer has just opened, or creeps
+APART = 4e-6  # wire diameters: a pair that sticks and is nearer has just opened, or grazes
 BETWEEN = 2.0  # told in place of a share of the way, of which 1 is the largest
 NEAR = 1.5  # wire diameters between centres, within which a pair's motion in a substep is watched
 
@@ -76,7 +76,7 @@ def _refer(row, points):
 @inlined
 def _slip(law, vectors, m, row, e):
     """How far a pair that sticks is stretched; of others the arc, and its direction."""
-    if row.creeps or law.mu < math.inf:
+    if row.grazes or law.mu < math.inf:
         length = law.d * arc(vectors[m], _distance(law, vectors, m), row, e)
     else:
         length = stretch(vectors[m], row, e)
@@ -118,7 +118,7 @@ def _ahead(law, vectors, m, row, way, length):
 
 @inlined
 def _hold(law, vectors, m, row, way, length, left):
-    """By an arc where it slides or creeps, else by the vector that it would have without a stretch."""
+    """By an arc where it slides or grazes, else by the vector that it would have without a stretch."""
     g, h = vectors[m], _distance(law, vectors, m)
     if law.mu < math.inf:
         angle = row.bound / (row.stiffness * law.d)
@@ -133,7 +133,7 @@ def _hold(law, vectors, m, row, way, length, left):
         e[i] = way[i] - along * g[i] / h
         square += e[i] * e[i]
     size = math.sqrt(square) if square > 0.0 else 1.0
-    angle = left / law.d if row.creeps else 0.0
+    angle = left / law.d if row.grazes else 0.0
     for i in range(3):
         row.onward[i] = math.cos(angle) * g[i] / h - math.sin(angle) * e[i] / size
         row.vector[i] = g[i] - left * e[i] / size

@@ -35,17 +35,17 @@ PAIR_HISTORY = np.dtype(
         ("slip", "f8"),  # what it slides in this substep, or slid in the last one; negative: it sticks, mm
         ("fresh", "?"),  # it touched first in the substep at hand
         ("opening", "?"),  # it touches no more: what it holds tangentially is being released
-        ("creeps", "?"),  # it has opened so and touches again: it gives way so that it just touches
+        ("grazes", "?"),  # it has opened so and touches again: it gives way so that it just touches
         ("released", "f8"),  # share of its tangential stiffness that is taken away in the trial state,
         ("kept", "f8"),  # and that was left in the last accepted one
         ("before", "f8"),  # how far it was stretched tangentially in that, mm
-        ("least", "f8"),  # share that is left to a pair that creeps: with this it is pressed,
+        ("least", "f8"),  # share that is left to a grazing pair: with this it is pressed,
         ("most", "f8"),  # and with this it opens, in the substep at hand
         ("gap", "f8"),  # of such a pair, or one with friction, in the trial state, mm,
         ("sticking", "f8"),  # and the tangential force that would hold all of it, N
         ("steepness", "f8"),  # of the bound of one with friction, by how far it penetrates, N/mm
         ("cut", "f8"),  # share of the substep to try instead: to where it touches or opens
-        ("growth", "f8"),  # rate at which the force of one that creeps grows, N
+        ("growth", "f8"),  # rate at which the force of one that grazes grows, N
         ("held", "f8"),  # its tangential force, or the bound of it, in the last accepted state, N
         ("arms", "f8", 6),  # of wires: the material points that touched first, in their sections at rest, mm
         ("stride", "f8"),  # what a pair with friction slid in the substep before, mm,
@@ -199,7 +199,7 @@ def pair_potential(g, h, law, row, e, f, H):
             for j in range(3):
                 H[i, j] += (slope + turn) * ni * g[j] / h
     if row.closed:
-        if row.bound == math.inf and not row.creeps:
+        if row.bound == math.inf and not row.grazes:
             energy += _add_stuck(g, row, e, f, H)
         else:
             energy += _add_friction(g, h, law.d, row, e, f, H)

@@ -12,7 +12,7 @@ GAP_RATE, LENGTH_RATE = 0, 1  # columns
 def length_gradient(g, h, row, law, t):
     """Length by which a held pair is stretched or slid, and in `t` its derivative by the vector g (h long)
     between the centres; zero where the length is."""
-    if row.bound == math.inf and not row.creeps:
+    if row.bound == math.inf and not row.grazes:
         length = stretch(g, row, t)
         factor = 1.0 / length if length > 0.0 else 0.0
     else:

@@ -8,10 +8,10 @@ import numpy as np
 from coilspring.compiling.compiled import inlined, lent
 from coilspring.contact.law import normal_law
 from coilspring.contact.touching import (
-    creep_slip,
     first_touch,
     gave_way,
     goes_on,
+    grazing_slip,
     leads,
     located_to,
     opens_after,
@@ -82,7 +82,7 @@ def accept(geometry, law, there, history):
             continue
         if not row.closed:
             _touch(geometry, law, (there, there, there), m, row)
-        crept, (length, way) = row.creeps, geometry.slip(law, there, m, row, e)
+        grazed, (length, way) = row.grazes, geometry.slip(law, there, m, row, e)
         if law.mu < math.inf:
             left = slid(length, row, gap)
         else:
@@ -93,7 +93,7 @@ def accept(geometry, law, there, history):
             geometry.lead(row)
         if left == length:  # it gave way by no more than rounding
             row.stride = 0.0
-        if left < length or crept or row.creeps:
+        if left < length or grazed or row.grazes:
             geometry.hold(law, there, m, row, way, length, left)
     return least
 
@@ -121,9 +121,9 @@ def update(geometry, law, places, history):
             touches_again(row, geometry.distance(law, before, m), h, d)
             continue
         length, way = geometry.slip(law, there, m, row, e)
-        if row.creeps:
+        if row.grazes:
             row.sticking = row.stiffness * length
-            if row.lead > 0.0 and not leads(row, creep_slip(row)):
+            if row.lead > 0.0 and not leads(row, grazing_slip(row)):
                 change = max(change, row.stiffness * row.lead * row.stride)
                 geometry.lead(row)
                 length, way = geometry.slip(law, there, m, row, e)

@@ -1,4 +1,4 @@
-"""How what a pair remembers changes: it touches, slides, opens, is released, creeps, and touches again."""
+"""How what a pair remembers changes: it touches, slides, opens, is released, grazes, and touches again."""
 
 import math
 
@@ -10,9 +10,9 @@ LEAST_LEFT = 0.5
 TOUCHING = 1e-10  # wire diameters of gap, no more than rounding leaves: with less, a pair that sticks touches
 OPEN = 2e-6  # wire diameters of gap at most where a pair that sticks is said to open
 TURNED = 0.01  # of what a pair that sticks holds, by which that may turn round in a substep
-CREEP = 1e-9  # wire diameters of gap at most where a pair that creeps is said to touch;
+GRAZING = 1e-9  # wire diameters of gap at most where a grazing pair is said to touch;
 PRESSED = 1e-6  # of the load at most by which it is pressed then (that adds up over substeps), between
-FINEST_CREEP, MOST_PRESSED = 1e-12, 1e-6  # wire diameters: what rounding leaves, and the most
+FINEST_GRAZING, MOST_PRESSED = 1e-12, 1e-6  # wire diameters: what rounding leaves, and the most
 FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
 # Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
 STICK_LOCATED = 2e-6
@@ -35,8 +35,8 @@ def slid(length, row, gap):
 
 
 @inlined
-def creep_slip(row):
-    """What a pair that creeps slips in the trial state, mm."""
+def grazing_slip(row):
+    """What a grazing pair slips in the trial state, mm."""
     return (row.sticking - min((1.0 - row.released) * row.sticking, row.bound)) / row.stiffness
 
 
@@ -75,9 +75,9 @@ def located_to(mu):
 
 
 @inlined
-def creep_to(force, d, K, k):
-    """Wire diameters by which a pair that creeps may penetrate, under a load of some size."""
-    return min(MOST_PRESSED, max(FINEST_CREEP, (PRESSED * force / K) ** (1.0 / k) / d))
+def grazing_depth(force, d, K, k):
+    """Wire diameters by which a grazing pair may penetrate, under a load of some size."""
+    return min(MOST_PRESSED, max(FINEST_GRAZING, (PRESSED * force / K) ** (1.0 / k) / d))
 
 
 @inlined
@@ -90,7 +90,7 @@ def touches_first(row, law, weight, at, doubt, known):
     """
     most = located_to(law.mu) * law.d
     row.whole = row.stiffness = weight * law.kt
-    row.closed, row.fresh, row.creeps, row.bound = True, True, False, math.inf
+    row.closed, row.fresh, row.grazes, row.bound = True, True, False, math.inf
     row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
     row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
     row.cut = 1.0
@@ -163,18 +163,18 @@ def goes_on(row, length, gap, d):
     """What a pair that sticks does after an accepted state, in which it is stretched by a length.
 
     Where it has opened it is released, unless it has touched just now: it is no better located. Where it then
-    touches again it creeps: it gives way so that it just touches, until it is pressed and sticks. Returns
+    touches again it grazes: it gives way so that it just touches, until it is pressed and sticks. Returns
     whether it is held without touching.
     """
-    if row.creeps:
-        row.closed = gap < CREEP * d
-        row.creeps = row.closed and gap >= -OPEN * d
+    if row.grazes:
+        row.closed = gap < GRAZING * d
+        row.grazes = row.closed and gap >= -OPEN * d
     elif row.opening and gap < 0.0:
-        row.opening, row.creeps, row.gap = False, True, gap
+        row.opening, row.grazes, row.gap = False, True, gap
     elif not row.fresh and gap >= (0.0 if row.opening else TOUCHING * d):
         row.closed = row.opening = length > 0.0
     row.fresh, row.kept, row.before = False, 1.0 - row.released, length
-    row.held = row.kept * row.stiffness * length if row.opening or row.creeps else 0.0
+    row.held = row.kept * row.stiffness * length if row.opening or row.grazes else 0.0
     return row.closed and gap >= 0.0
 
 
@@ -197,7 +197,7 @@ def gave_way(length, row, gap):
     row.work += 0.5 * force * (length - force / K) + 0.5 * (row.held + force) * ahead
     row.slip = length - force / K + ahead
     row.slid += row.slip
-    row.stride = row.slip if row.creeps else 0.0
+    row.stride = row.slip if row.grazes else 0.0
     row.released = 0.0
     return force / K
 

@@ -70,4 +70,4 @@ class Track:
     bifurcates: bool  # towards its end the stiffness falls to zero in proportion, by a mode of no work
     snaps: int  # limit points passed, see `coilspring.solver.continuation.snap`,
     largest_snap: float  # and bound on the largest motion at one of them, wire diameters
-    undecided: float  # time from which on pairs that creep could hold other forces, or infinite
+    undecided: float  # time from which on grazing pairs could hold other forces, or infinite

@@ -112,7 +112,7 @@ SCALE = np.dtype(
         ("dead", "f8"),  # sizes of the dead load summed, N
         ("stiffness", "f8"),  # least stiffness
         ("least_pivot", "f8"),
-        ("pressed", "f8"),  # wire diameters by which a pair that creeps may penetrate
+        ("pressed", "f8"),  # wire diameters by which a grazing pair may penetrate
     ],
     align=True,
 )
@@ -247,9 +247,9 @@ SUBSTEP = np.dtype(
         ("unstable", "?"),  # negative pivots where the iteration began, or at an equilibrium found
         ("tolerance", "f8"),  # of the energy that the iteration leaves, N mm
         ("turned", "?"),  # the determinant of Coulomb's tangent is negative
-        ("several", "?"),  # pairs that creep, or graze, could hold other forces, too
+        ("several", "?"),  # pairs that graze, or are barely pressed, could hold other forces, too
         ("damping", "f8"),  # of the flow of friction's bounds in a snap
-        ("step", "f8"),  # share of the change of the forces of pairs that creep that is taken in a round,
+        ("step", "f8"),  # share of the change of the forces of grazing pairs that is taken in a round,
         ("worst", "f8"),  # and the largest gap or penetration that they had in the last one
         ("cut", "f8"),  # share of it after which a pair touches or opens; 1 where none does
         ("turn", "f8"),  # from the prediction, mm,

@@ -48,7 +48,7 @@ class Pairs:
     weight: np.ndarray  # (pairs,) of the law's stiffness, across the wires and along them
     held: np.ndarray  # (pairs,) whether there is a tangential force
     slides: np.ndarray  # (pairs,) whether it is at its bound
-    arcs: np.ndarray  # (pairs,) whether spheres resist the arc: under friction, and where they creep
+    arcs: np.ndarray  # (pairs,) whether spheres resist the arc: under friction, and where they graze
     # (pairs,) of the stiffness of sticking that is left; 1 but for pairs that are released, or just touch
     share: np.ndarray
     # (pairs, 3) of wires: the material points that touched first, from the stations, in their sections at
@@ -241,7 +241,7 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
 
     made = Pairs(
         points, law, index, np.zeros(count), weight, padded(held),
-        np.zeros(count, bool), padded(history["creeps"]) | np.isfinite(law.mu),
+        np.zeros(count, bool), padded(history["grazes"]) | np.isfinite(law.mu),
         1.0 - padded(history["released"]), padded(one), padded(two),
     )  # fmt: skip
     if points.wires:

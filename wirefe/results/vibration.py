@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.contact.touching import CREEP
+from coilspring.contact.touching import GRAZING
 from coilspring.errors import InputError, require_choice, require_integer
 from coilspring.path import EquilibriumPath, require_step
 from wirefe import kernels
@@ -54,7 +54,7 @@ def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: s
     """Lowest natural frequencies about a stored equilibrium of the wire model.
 
     The stiffness is the tangent of the state for small vibrations in which pairs that touch stay closed and
-    stick. What slides, or creeps, on the path sticks as it turns round, however little: so this is not the
+    stick. What slides, or grazes, on the path sticks as it turns round, however little: so this is not the
     slope of the path, `EquilibriumPath.rates`, there.
 
     Parameters
@@ -111,7 +111,7 @@ def _about(path: EquilibriumPath, step: int, count: int, top: str) -> tuple[np.n
 def _stiffness(path: EquilibriumPath, shape: WireShape, step: int) -> csr_array:
     """Tangent stiffness at a stored equilibrium for motions so small that pairs neither open nor slide.
 
-    Pairs begin them as they begin the next substep of the path: after a slide, or creep, they hold their
+    Pairs begin them as they begin the next substep of the path: after a slide, or a graze, they hold their
     force with their whole tangential stiffness.
     """
     state, contact = path.states[step], shape.data.contact
@@ -119,7 +119,7 @@ def _stiffness(path: EquilibriumPath, shape: WireShape, step: int) -> csr_array:
     history = shape.histories(given, state[None])[0]
     kernels.update_history(*pack(shape.data), state, history)
     history["bound"] *= 2.0  # it is the force of what slid, but for rounding
-    touching = contact._replace(d=(1.0 + 2.0 * CREEP) * contact.d)  # and so near is what creeps
+    touching = contact._replace(d=(1.0 + 2.0 * GRAZING) * contact.d)  # and so near is what grazes
     return tangent_stiffness(replace(shape, data=shape.data._replace(contact=touching)), state, history)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import (
     copy_history,
-    creeping,
+    grazing,
     has_friction,
     largest_slip,
     let_go_on,
@@ -21,7 +21,7 @@ from coilspring.solver.continuation.branch import most_turn
 from coilspring.solver.continuation.snap import count_snap, passes_snap, snapped
 from coilspring.solver.continuation.stability import predicted_zero
 from coilspring.solver.equilibrium.newton import CONVERGED
-from coilspring.solver.tangential.creep import creep_tangent
+from coilspring.solver.tangential.grazing import grazing_tangent
 from coilspring.solver.tangential.response import find_rates
 
 SAFE = 0.8  # share of the turn allowed that the next substep aims at
@@ -30,7 +30,7 @@ EASY_COUNT, EASY_ROUND = 4, 8
 GROWTH, SLOW_GROWTH = 2.0, 1.2  # of the substep; the slow one with friction, whose rounds may be many in any
 LEAST_LEFT = 1e-6  # of the time 0..1 that is taken at least, however soon a pair closes or opens
 NEAR_END = 1e-5  # of the time 0..1: what is unstable so near to where a path stands decides how it goes on
-MOST_SLIP = 0.01  # wire diameters that a pair that creeps is to slip in a substep
+MOST_SLIP = 0.01  # wire diameters that a grazing pair is to slip in a substep
 
 
 @part
@@ -76,8 +76,8 @@ def accept_step(system, task, work, path, substep):
     copy(work.tangent, work.old)
     if substep.status == CONVERGED:
         copy(work.ahead, work.tangent)
-        if creeping(work.history):
-            path.spent += creep_tangent(system, task, work)
+        if grazing(work.history):
+            path.spent += grazing_tangent(system, task, work)
     if path.snap.active:
         snapped(task, work, path, substep)
     elif passes_snap(system, task, work, path, substep):
@@ -92,7 +92,7 @@ def accept_step(system, task, work, path, substep):
     path.until, path.opens = np.inf, left if left > LEAST_LEFT else np.inf
     if fresh.size > 0 and not has_friction(work.history):
         path.opens = min(path.opens, opens_again(system, task, work, fresh))
-    easy = substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or creeping(work.history)
+    easy = substep.iterations < EASY_COUNT + EASY_ROUND * (substep.rounds - 1) or grazing(work.history)
     growth = GROWTH if easy else SLOW_GROWTH if substep.rounds > 1 else 1.0
     # the turn grows with the square of the step
     if substep.share > 0.0:
@@ -126,7 +126,7 @@ def accept_release(task, work, path, substep):
         snapped(task, work, path, substep)
     copy(work.ahead, work.tangent)
     if path.time <= path.release.gradual:
-        # that they creep leads nowhere from here: how much of it a release leaves, rounding may decide
+        # that they graze leads nowhere from here: how much of it a release leaves, rounding may decide
         let_go_on(work.history, path.scale.pressed * task.diameter)
     path.release.active, path.release.last = opening(work.history), path.release.power
     path.release.power *= 2.0

@@ -3,7 +3,7 @@
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.history import creeping, let_go
+from coilspring.contact.history import grazing, let_go
 from coilspring.solver.continuation.accept import NEAR_END
 from coilspring.solver.continuation.snap import end_or_snap, release_or_jump
 from coilspring.solver.continuation.stability import FINEST, LEAST_STEP, RIGID
@@ -14,7 +14,7 @@ from coilspring.solver.system import COMPLETED, CRITICAL, JUMP, STUCK, TURNED
 from coilspring.solver.tangential.friction import raise_bounds
 
 RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
-LEAST_CREEP = 1e-7  # of the time 0..1: in less, a pair that creeps moves by no more than it is located to
+LEAST_GRAZING = 1e-7  # of the time 0..1: in less, a grazing pair moves by no more than it is located to
 
 
 @part
@@ -38,8 +38,8 @@ def shorten(system, task, work, path, substep):
         go_less(task, work, path, substep)
         rigid = path.softest.value > RIGID * path.scale.stiffness  # it is no mode that has become soft
         least = LEAST_STEP
-        if rigid and creeping(work.history) and substep.cut == 1.0:
-            least = LEAST_CREEP  # one that is only cut, to where a pair touches or opens, does not stall
+        if rigid and grazing(work.history) and substep.cut == 1.0:
+            least = LEAST_GRAZING  # one that is only cut, to where a pair touches or opens, does not stall
         elif substep.near_critical and substep.unstable:
             least = FINEST  # the stiffness may vanish just behind where a pair closed, or as it is predicted
         if substep.duration < least:
@@ -75,15 +75,15 @@ def go_less(task, work, path, substep):
 
 @part
 def lets_go(system, task, work, path):
-    """Have pairs let go that creep, or are about to open, since what they hold leads nowhere; where they do
+    """Have pairs let go that graze, or are about to open, since what they hold leads nowhere; where they do
     so again at once, by a snap. Returns whether there is one."""
-    creeps = creeping(work.history)
+    grazes = grazing(work.history)
     system.update_pairs(system.reals, system.ints, work.state, work.state, work.state, work.history)
     if not let_go(work.history, path.scale.pressed * task.diameter):
         return False
     again = path.time <= path.release.gradual
     path.release.gradual, path.next_step, path.until = path.time + LEAST_STEP, FIRST_STEP, np.inf
-    if creeps:
+    if grazes:
         path.undecided = min(path.undecided, path.time)
     path.release.active, path.release.power, path.release.last = True, np.inf, 0.0
     if again:

@@ -4,7 +4,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.kinematics import TOUCH
-from coilspring.contact.touching import creep_to
+from coilspring.contact.touching import grazing_depth
 from coilspring.solver.continuation.stability import SETTLED, begin_watch, least_stiffness
 from coilspring.solver.continuation.substep import free_room
 from coilspring.solver.equilibrium.operations import assembled, factored, solution
@@ -86,4 +86,4 @@ def set_scales(system, task, work, path):
     scale = path.scale
     scale.reference, scale.rounding, scale.dead = reference, 2.0 * EPSILON * task.span, standing
     scale.force = force if change == 0.0 else abs(reference / change)
-    scale.pressed = creep_to(scale.force + standing, task.diameter, task.penalty, task.exponent)
+    scale.pressed = grazing_depth(scale.force + standing, task.diameter, task.penalty, task.exponent)

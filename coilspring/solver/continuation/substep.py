@@ -4,10 +4,10 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import (
+    barely_pressed,
     begin_attempt,
     copy_history,
-    creeping,
-    grazes,
+    grazing,
     has_friction,
     has_history,
     keep_bounds,
@@ -39,8 +39,8 @@ from coilspring.solver.equilibrium.operations import (
     stale_solution,
 )
 from coilspring.solver.system import OVERLAP, Target
-from coilspring.solver.tangential.creep import update_creep
 from coilspring.solver.tangential.friction import let_flow, slides_stably, solve_bounds
+from coilspring.solver.tangential.grazing import update_grazing
 
 # Powers of two by which the tangential stiffness of opening pairs is lowered: all of it beyond the largest;
 # where the least finds no place nearby, the path jumps.
@@ -48,7 +48,7 @@ MOST_RELEASE, LEAST_RELEASE = 40.0, 1e-3
 LEAST_PRECISION = 1e-5  # of the decrement that is asked for, where little is left of the stiffness
 LEAST_CUT, MOST_CUT = 0.05, 0.9  # shares at which a substep is cut where a pair touches or opens
 NEARER = 3.0  # times the bound on all motion: so much nearer may two wires come, also between nodes
-CREEP_CUT = 0.5  # share at which a substep in which a pair ceases to creep is cut, at most
+GRAZING_CUT = 0.5  # share at which a substep in which a pair ceases to graze is cut, at most
 MISSED = 5e-4  # wire diameters that such a pair may have slipped before
 OVERLAP_TIME = 1e-5  # of the time 0..1: so closely is it located
 LEAST_RATED = 1e-3  # of the time 0..1: in less a path with friction, or sticking, may turn as any other
@@ -146,8 +146,8 @@ def update_held(system, task, work, path, substep, before):
         substep.cut = min(max(end, LEAST_CUT), MOST_CUT)
         return 0.0
     left = 0.0
-    if creeping(work.history):
-        left = update_creep(system, task, work, substep, path.scale.pressed)
+    if grazing(work.history):
+        left = update_grazing(system, task, work, substep, path.scale.pressed)
         path.spent += left > 1.0
     stable = True
     if path.snap.active and has_friction(work.history):
@@ -156,7 +156,7 @@ def update_held(system, task, work, path, substep, before):
     if change <= BOUND_CHANGE and left <= 1.0 and stable:
         missed = stuck_from(work.history) * substep.duration / path.last_step
         if missed > MISSED * task.diameter and substep.duration >= 2.0 * LEAST_STEP and not path.snap.active:
-            substep.cut = max(LEAST_CUT, min(CREEP_CUT, MISSED * task.diameter / missed))
+            substep.cut = max(LEAST_CUT, min(GRAZING_CUT, MISSED * task.diameter / missed))
         return 0.0
     newton = left == 0.0 and substep.rounds > RENEWED and not path.snap.active
     slow = newton and substep.rounds > RENEWED + SLOW and change > GAIN * before
@@ -195,7 +195,8 @@ def keeps_branch(system, task, work, path, substep):
     good, substep.turn, substep.share, substep.distance, substep.error = continues(
         system, task, work, substep.trouble, judged, small
     )
-    if path.release.active and path.release.power == np.inf and grazes(work.history, OPEN * task.diameter):
+    at_once = path.release.active and path.release.power == np.inf
+    if at_once and barely_pressed(work.history, OPEN * task.diameter):
         substep.several = substep.several or substep.distance > snap.least_told(task, path)
     # so far in no time is a snap too
     snaps = path.snap.active or (substep.duration <= snap.NO_TIME and not path.release.active)

@@ -1,1 +1,1 @@
-"""What touching pairs hold tangentially: sticking, creep and friction."""
+"""What touching pairs hold tangentially: sticking, grazing and friction."""

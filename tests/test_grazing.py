@@ -1,4 +1,4 @@
-"""Pairs that creep: they give way tangentially just so that they touch."""
+"""Grazing pairs: they give way tangentially just so that they touch."""
 
 from dataclasses import replace
 from itertools import product
@@ -8,9 +8,9 @@ import pytest
 
 import wirefe
 from coilspring import Contact, Load, Scene, Spring, Supports
-from coilspring.contact.history import grazes, let_go
+from coilspring.contact.history import barely_pressed, let_go
 from coilspring.contact.law import PAIR_HISTORY
-from coilspring.contact.touching import CREEP
+from coilspring.contact.touching import GRAZING
 from coilspring.solver.tangential.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
 from validation.campaign.run import verify
 from validation.campaign.runs import changed, deviation
@@ -102,8 +102,8 @@ def test_a_path_says_that_sticking_pairs_could_hold_other_forces(name, seed, mor
     assert any("can hold each other by other forces" in path.message for path in paths) == more
 
 
-def test_runs_that_differ_since_a_creeping_pair_had_to_let_go_say_so():
-    """Of two pairs that just touch one lets go, or both creep: tips differ by 1.6e-3 for a while."""
+def test_runs_that_differ_since_a_grazing_pair_had_to_let_go_say_so():
+    """Of two pairs that just touch one lets go, or both graze: tips differ by 1.6e-3 for a while."""
     paths = [reached(make_case("w00872", 833), steps=steps) for steps in (50, 100, 400)]
     until = min(path.undecided_time or 1.0 for path in paths)
     assert 0.7 < until <= 1.0
@@ -113,14 +113,14 @@ def test_runs_that_differ_since_a_creeping_pair_had_to_let_go_say_so():
 
 @pytest.mark.parametrize("name", ["w00052", "w00170"])
 def test_tips_do_not_depend_on_the_steps(name):
-    """Of wires and of spheres that creep: 1e-6 and 8e-4; it was 1e-2 where they opened and stuck in turn."""
+    """Of wires and of spheres that graze: 1e-6 and 8e-4; it was 1e-2 where they opened and stuck in turn."""
     case = make_case(name, 31)
     assert case.scene.contact.sliding == "none"
     paths = [reached(case, steps=steps) for steps in (5, 20, 100)]
     tips = np.array([path.tips[-1] for path in paths])
     assert np.ptp(tips, axis=0)[:2].max() <= 1e-3 * np.abs(tips[:, :2]).max()
-    crept = [path.histories["creeps"] & (path.histories["slid"] > 0.0) for path in paths]
-    assert any(each.any() for each in crept)
+    grazed = [path.histories["grazes"] & (path.histories["slid"] > 0.0) for path in paths]
+    assert any(each.any() for each in grazed)
 
 
 LETS_GO = pytest.mark.xfail(
@@ -129,16 +129,16 @@ LETS_GO = pytest.mark.xfail(
 
 
 @pytest.mark.parametrize(("name", "seed"), [pytest.param("w00441", 116, marks=LETS_GO), ("w00088", 104)])
-def test_the_path_of_pairs_that_creep_is_predicted(name, seed):
+def test_the_path_of_grazing_pairs_is_predicted(name, seed):
     """Rows agree to 2e-6; of w00441 they agreed to 2.2e-4. It was 3e-3 and 2e-3: along a tangent with the
     stiffness that was left the next pair touched later; and a touch that was not predicted was located on
-    the straight line. And 5e-4 and 1e-3 in symmetric springs: gaps up to 1e-7 d let twins creep apart, which
+    the straight line. And 5e-4 and 1e-3 in symmetric springs: gaps up to 1e-7 d let twins drift apart, which
     grew."""
     paths = [reached(make_case(name, seed), steps=count) for count in (20, 400)]
     assert max(deviation(*paths)) <= 3e-4
 
 
-def test_creep_follows_its_path_to_second_order():
+def test_grazing_follows_its_path_to_second_order():
     """Where the slide turns: 1.5e-3 of the time at which coils pass through each other; 6e-3 to first."""
     ends = [reached(make_case("w00545", 115), steps=count).end_bracket[0] for count in (5, 400)]
     assert ends[0] == pytest.approx(ends[1], rel=3e-3)
@@ -148,19 +148,19 @@ def test_creep_follows_its_path_to_second_order():
     ("name", "seed", "steps"),
     [("w00159", 60, (5, 20, 100)), ("w00007", 61, (1, 5, 20)), ("w00183", 109, (1, 5, 20))],
     ids=[
-        "a pair ceases to creep",
+        "a pair ceases to graze",
         "coils touch one after the other, after a long linear stretch",
         "spheres of a solid spring",
     ],
 )
 def test_what_sticks_is_held_from_where_it_touches(name, seed, steps):
-    """Within 1e-4. It was 1.4e-3 where the end of creep, or the error of a long prediction, was left out; and
-    9e-3 where a pair was held before that error was looked at, so that it could not be seen."""
+    """Within 1e-4. It was 1.4e-3 where the end of grazing, or the error of a long prediction, was left
+    out; and 9e-3 where a pair was held before that error was looked at, so that it could not be seen."""
     tips = np.array([reached(make_case(name, seed), steps=count).tips[-1, :2] for count in steps])
     assert np.ptp(tips, axis=0).max() <= 2e-4 * np.abs(tips).max()
 
 
-def test_creep_that_stalls_lets_go():
+def test_grazing_that_stalls_lets_go():
     """With 8 steps it went on by 1e-9 of the load a substep, within the tolerance, for 20 000 of them."""
     path = reached(make_case("w00134", 60), steps=8)
     assert path.outcome == "completed"
@@ -168,8 +168,8 @@ def test_creep_that_stalls_lets_go():
 
 
 def test_a_release_goes_on_where_the_pair_just_touches_again():
-    """Creep stalls at a fold, at 0.3156; released a little, the pair is pressed by 2e-14 mm in one step, and
-    is open by rounding in more: it was said to jump in one."""
+    """Grazing stalls at a fold, at 0.3156; released a little, the pair is pressed by 2e-14 mm in one step,
+    and is open by rounding in more: it was said to jump in one."""
     paths = [reached(make_case("w00182", 781), steps=steps) for steps in (1, 5)]
     assert {path.outcome for path in paths} == {"completed"}
     assert paths[0].tips[-1] == pytest.approx(paths[1].tips[-1], rel=1e-6)
@@ -184,8 +184,8 @@ def test_a_pair_that_opens_in_the_substep_of_its_touch_is_found():
 
 @pytest.mark.usefixtures("first_order_elements")
 def test_a_pair_that_opens_as_soon_as_it_has_touched_is_found():
-    """It opened at once, crept, and was pressed again within 1e-3 of the load. Longer substeps, in 1, 5 and 7
-    steps, let it stick where it first touched: tips differed by 1.2e-3, and the paths ended at 0.950."""
+    """It opened at once, grazed, and was pressed again within 1e-3 of the load. Longer substeps, in 1, 5 and
+    7 steps, let it stick where it first touched: tips differed by 1.2e-3, and the paths ended at 0.950."""
     paths = [reached(make_case("w00785", 862), steps=steps) for steps in (5, 7, 20)]
     assert {path.outcome for path in paths} == {"interpenetration"}
     assert [path.end_bracket[0] for path in paths] == pytest.approx([0.96302] * 3, rel=1e-4)
@@ -199,39 +199,39 @@ def test_a_pair_that_soon_opens_again_is_found():
     assert np.ptp(tips, axis=0).max() <= 1e-6 * np.abs(tips).max()
 
 
-def test_what_creeps_just_touches():
+def test_what_grazes_just_touches():
     path = reached(make_case("w00170", 31), steps=100)
     slides = (
-        path.histories["creeps"] & (path.histories["released"] > 0.0) & (path.histories["released"] < 1.0)
+        path.histories["grazes"] & (path.histories["released"] > 0.0) & (path.histories["released"] < 1.0)
     )
     assert slides.any()
     gaps = path.shape.pair_gaps(path.states)[slides] / path.scene.spring.wire_diameter
-    assert np.abs(gaps).max() <= 2.0 * CREEP
+    assert np.abs(gaps).max() <= 2.0 * GRAZING
     force = np.linalg.norm(path.friction.force, axis=-1)[slides]
     assert (force > 0.0).all()
 
 
-def test_the_rate_where_pairs_creep_is_that_of_the_path():
+def test_the_rate_where_pairs_graze_is_that_of_the_path():
     """Within 1 % of central differences away from touches; the tangent is 9 to 30 % off, for it lets the
     pair press or open."""
     spring = Spring(3.15, 45.7, 9.75, 33.25, end_turns=0.5, ends="open", start_phase=-1.47)
     contact = Contact(stiffness=2e3, sliding="none", geometry="spheres")
-    scene = Scene("creep", spring, Load((43.0, -1.9), 100), supports=Supports(("rotz",)), contact=contact)
+    scene = Scene("grazing", spring, Load((43.0, -1.9), 100), supports=Supports(("rotz",)), contact=contact)
     path = wirefe.solve(scene, element="curved", elements_per_turn=8)
     direction = np.array(scene.load.force) / np.hypot(*scene.load.force)
     slopes = np.gradient(path.loads @ direction, path.tips[:, :2] @ direction)
-    creeping = path.histories["creeps"].any(axis=1)
-    calm = creeping & (path.times > 0.3) & (path.times < 0.99)
+    grazing = path.histories["grazes"].any(axis=1)
+    calm = grazing & (path.times > 0.3) & (path.times < 0.99)
     assert calm.sum() > 50
     np.testing.assert_allclose(path.rates[calm], slopes[calm], rtol=1e-2)
     tangents = path.shape.rates(path.states, path.histories, np.tile(direction, (len(path.states), 1)))
     assert np.abs(tangents / slopes - 1.0)[calm].min() > 0.05
-    np.testing.assert_allclose(path.rates[~creeping], tangents[~creeping], rtol=1e-12)
+    np.testing.assert_allclose(path.rates[~grazing], tangents[~grazing], rtol=1e-12)
     assert path.rates_at(slice(-1, None)) == path.rates[-1:]
 
 
 @pytest.mark.parametrize(("name", "seed"), [("w00029", 75), ("w00007", 76)])
-def test_hard_pairs_that_creep_are_hardly_pressed(name, seed):
+def test_hard_grazing_pairs_are_hardly_pressed(name, seed):
     """Penetration of 1e-6 wire diameters was a force of 1 % of the load: tips differed by 5e-3."""
     case = make_case(name, seed)
     paths = [reached(case, steps=count) for count in (20, 100)]
@@ -241,7 +241,7 @@ def test_hard_pairs_that_creep_are_hardly_pressed(name, seed):
 
 
 @pytest.mark.parametrize(("seed", "most", "work"), [(792, 1e-4, 1_000), (811, 5e-4, 20_000)])
-def test_hard_pairs_creep_along_one_path(seed, most, work):
+def test_hard_pairs_graze_along_one_path(seed, most, work):
     """Within 5e-6 and 7e-5; it was 1e-3 and 1.5e-3. They slid although they were pressed, by up to 1e-4 of
     the load in each substep: differences over 1e-5 wire diameters to one side took the square of that motion
     for what the gap of a hard pair changes, and the shares that were released did not converge. With a bound
@@ -269,7 +269,7 @@ def test_a_jump_after_which_other_forces_were_possible_is_undecided():
 )
 @pytest.mark.usefixtures("first_order_elements")
 def test_no_jump_is_told_where_only_the_iteration_ended():
-    """Rounds in which pairs that creep are renewed do not converge; there is an equilibrium nearby, which a
+    """Rounds in which grazing pairs are renewed do not converge; there is an equilibrium nearby, which a
     release by other means finds."""
     path = reached(make_case("w00855", 1024))
     assert path.outcome == "not_converged"
@@ -284,15 +284,15 @@ def test_a_release_along_a_soft_mode_is_predicted():
     assert path.total_iterations < 10_000
 
 
-def test_pairs_let_go_that_creep_or_are_about_to_open():
+def test_pairs_let_go_that_graze_or_are_about_to_open():
     history = np.zeros(4, PAIR_HISTORY).view(np.recarray)
     history.closed, history.bound, history.kept, history.stiffness = True, np.inf, 1.0, 10.0
-    history.gap = -1e-3, -1e-9, -1e-9, 0.0  # pressed, about to open, touching without a force, creeping
-    history.before, history.creeps = (0.1, 0.1, 0.0, 0.1), (False, False, False, True)
+    history.gap = -1e-3, -1e-9, -1e-9, 0.0  # pressed, about to open, touching without a force, grazing
+    history.before, history.grazes = (0.1, 0.1, 0.0, 0.1), (False, False, False, True)
     assert let_go(history, 1e-6)
     assert history.opening.tolist() == [False, True, False, True]
     assert history.held.tolist() == [0.0, 1.0, 0.0, 0.0]
-    assert not history.creeps.any()
+    assert not history.grazes.any()
     assert not let_go(history[:1], 1e-6)
 
 
@@ -316,7 +316,7 @@ def test_a_path_says_that_a_pair_which_hardly_opened_may_hold_what_it_held():
 def test_an_opening_pair_grazes_where_it_is_hardly_pressed(gap, said):
     history = np.zeros(2, PAIR_HISTORY).view(np.recarray)
     history.opening, history.gap = (True, False), (gap, -1e-7)
-    assert grazes(history, 1e-6) == said
+    assert barely_pressed(history, 1e-6) == said
 
 
 def test_a_sticking_pair_that_is_about_to_open_lets_go():
@@ -343,7 +343,7 @@ def test_a_sticking_pair_that_is_about_to_open_lets_go():
 )
 def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to(steps):
     """It touched in the substep at hand, and was open by less than 2e-6 d at its end. Released there, it
-    crept and could stick as well, unlike its twin at the other end: the path said so from 0.5329 on."""
+    grazed and could stick as well, unlike its twin at the other end: the path said so from 0.5329 on."""
     assert reached(make_case("w00441", 116), steps=steps).undecided_time is None
 
 

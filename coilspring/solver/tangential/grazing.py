@@ -1,4 +1,4 @@
-"""Pairs that creep: each gives way tangentially just so that it touches.
+"""Grazing pairs: each gives way tangentially just so that it touches.
 
 Such a pair would open if it stuck, and be pressed if it held nothing. So it holds a force in between, with
 which there is no gap. The forces of all are found by Newton's method: what each does to the gaps takes one
@@ -13,7 +13,7 @@ import numpy as np
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import copy_history
 from coilspring.contact.rates import GAP_RATE, LENGTH_RATE
-from coilspring.contact.touching import CREEP
+from coilspring.contact.touching import GRAZING
 from coilspring.solver.equilibrium.operations import factor_state, solution
 from coilspring.solver.tangential.complementarity import GAP, HELD, SLIP, complementary, eliminated
 from coilspring.solver.tangential.response import find_rates, unit_force_response
@@ -26,16 +26,16 @@ NEARLY = 0.5  # of the stiffness: where a pair opened with no share so far, all 
 
 
 @part
-def update_creep(system, task, work, substep, pressed):
-    """Renew the released shares in `work.history` of pairs that creep, at the trial state found with them.
+def update_grazing(system, task, work, substep, pressed):
+    """Renew the released shares in `work.history` of grazing pairs, at the trial state found with them.
 
-    Returns the largest gap over `coilspring.contact.touching.CREEP`, or penetration of a pair that gives way
-    over `pressed`, in wire diameters: up to 1 nothing is changed; infinity where no answer was found.
+    Returns the largest gap over `coilspring.contact.touching.GRAZING`, or penetration of a pair that gives
+    way over `pressed`, in wire diameters: up to 1 nothing is changed; infinity where no answer was found.
     """
     history = work.history
     # rounds that go to and fro leave out a pair at a time
     every = substep.rounds > FULL_ROUNDS
-    active, worst = _active(history, CREEP * task.diameter, pressed * task.diameter, every)
+    active, worst = _active(history, GRAZING * task.diameter, pressed * task.diameter, every)
     if worst <= 1.0:
         return worst
     n = active.size
@@ -79,8 +79,8 @@ def _shorten_step(substep, worst):
 
 
 @part
-def creep_tangent(system, task, work):
-    """Set `work.tangent` at a state just accepted, where pairs creep: their forces change so that they go on
+def grazing_tangent(system, task, work):
+    """Set `work.tangent` at a state just accepted, where pairs graze: their forces change so that they go on
     touching. With the forces as they are, or the share of the stiffness that is left, they would not.
     Returns the number of factorisations.
     """
@@ -114,7 +114,7 @@ def creep_tangent(system, task, work):
 
 @part
 def _active(history, wide, deep, every):
-    """Pairs whose force decides their gap, or `every` one that creeps, and the largest gap or penetration
+    """Pairs whose force decides their gap, or `every` one that grazes, and the largest gap or penetration
     that is not as it should be, in units of those that may be left."""
     active, count, worst = np.empty(history.shape[0], np.int64), 0, 0.0
     for m in range(history.shape[0]):
@@ -123,21 +123,21 @@ def _active(history, wide, deep, every):
         free = row.released == 1.0 and row.gap >= 0.0
         right = sticks or free
         known = right and (not every or row.sticking == 0.0)
-        if row.creeps and not known:
+        if row.grazes and not known:
             active[count] = m
             count += 1
-        if row.creeps and not right:
+        if row.grazes and not right:
             worst = max(worst, row.gap / wide, -row.gap / deep)
     return active[:count], worst
 
 
 @part
 def _slipping(history):
-    """Pairs that crept in the last substep and hold a force."""
+    """Pairs that grazed in the last substep and hold a force."""
     slipping, count = np.empty(history.shape[0], np.int64), 0
     for m in range(history.shape[0]):
         history[m].growth = 0.0
-        if history[m].creeps and history[m].slip > 0.0 and history[m].held > 0.0:
+        if history[m].grazes and history[m].slip > 0.0 and history[m].held > 0.0:
             slipping[count] = m
             count += 1
     return slipping[:count]
@@ -145,7 +145,7 @@ def _slipping(history):
 
 @part
 def _held(row):
-    """The tangential force of a pair that creeps."""
+    """The tangential force of a grazing pair."""
     return (1.0 - row.released) * row.sticking
 
 
