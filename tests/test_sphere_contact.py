@@ -137,8 +137,8 @@ def test_pair_sums_to_zero_force_and_moment(history):
 
 
 def sliding(bound=300.0, rise=0.0):
-    """Record of a pair that had its direction along y, and its bound from the beginning."""
-    return held(np.array([0.0, D, 0.0]), bound, rise=rise, held=bound)
+    """Record of a pair that had its direction along y, and held its bound from the beginning."""
+    return held(np.array([0.0, D, 0.0]), bound, rise=rise, held=bound, before=bound / K)
 
 
 def tilted(angle, h):
@@ -170,6 +170,22 @@ def test_friction_by_hand():
     np.testing.assert_allclose([row.bound, row.slid, row.work], [300.0, 0.07, 21.0])
     np.testing.assert_allclose(row.normal, tilted(angle - 0.03 / D, 1.0))
     np.testing.assert_allclose(pair_friction(g, row, LAW).force, f)
+
+
+def test_a_pair_slides_with_the_bound_that_it_meets():
+    """From 100 N of 600 N to 400 N of 300 N: they meet at 350 N. One that opens half way, where it would hold
+    200 N, meets its bound at 1200 / 7 N, and slides by 200 N / K up to there."""
+    row = sliding()
+    row.held, row.before, row.deep = 600.0, 100.0 / K, 0.01
+    g = tilted(400.0 / K / D, D - 1e-12)
+    work = 0.5 * (350.0 + 300.0) * 100.0 / K
+    assert pair_friction(g, row, LAW).work == pytest.approx(work)
+    assert accepted(row, g, 0.3).work == pytest.approx(work)
+    row.bound, row.gap = 0.0, 0.01
+    g = tilted(300.0 / K / D, D + 0.01)
+    work = 0.5 * 1200.0 / 7.0 * 200.0 / K
+    assert pair_friction(g, row, LAW).work == pytest.approx(work)
+    assert accepted(row, g, 0.3).work == pytest.approx(work)
 
 
 def test_rising_bound_by_hand():

@@ -35,10 +35,24 @@ def tangential_forces(length: np.ndarray, histories: np.ndarray) -> tuple[np.nda
     force = np.where(slides, bound + rise * slip, force)
     slip += np.where(slides, histories["ahead"], 0.0)
     held = np.where(histories["held"] < np.inf, histories["held"], 0.0)  # not known of what touched at rest
-    work = 0.5 * (held + force) * slip
+    work = _sliding_work(length, histories, held, force) * slides
     stretch = force / np.where(gives, K, 1.0)
     given = 0.5 * (held * length + force * (length - histories["before"] - stretch))
     return force, np.where(gives, length - stretch, slip), np.where(gives, given, work)
+
+
+def _sliding_work(
+    length: np.ndarray, histories: np.ndarray, held: np.ndarray, force: np.ndarray
+) -> np.ndarray:
+    """See `coilspring.contact.touching.sliding_work`; `held` were the bounds before,
+    `force` is what is held now."""
+    before, deep, apart = histories["before"], histories["deep"], np.maximum(histories["gap"], 0.0)
+    closed = np.divide(deep, deep + apart, out=np.ones_like(deep), where=apart > 0.0)
+    sticking = histories["stiffness"] * (before + (length - before) * closed)
+    left, beyond = np.maximum(held - histories["whole"] * before, 0.0), sticking - force
+    share = np.divide(left, left + beyond, out=np.zeros_like(beyond), where=left > 0.0)
+    slip = np.divide(beyond, histories["stiffness"], out=np.zeros_like(beyond), where=beyond > 0.0)
+    return 0.5 * (held + share * (force - held) + force) * (slip + histories["ahead"])
 
 
 def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Friction:

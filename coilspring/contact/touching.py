@@ -26,12 +26,29 @@ def slid(length, row, gap):
     slip = (row.stiffness * length - row.bound) / (row.stiffness + row.bound * row.rise)
     if slip > 0.0:
         row.bound *= 1.0 + row.rise * slip
+        row.work += sliding_work(row, length, gap)
         slip += row.ahead
         row.slid += slip
-        row.work += 0.5 * (row.held + row.bound) * slip
-    row.held = row.bound if row.closed else 0.0
+    row.held, row.deep = (row.bound, -gap) if row.closed else (0.0, 0.0)
     row.stride, row.wanted, row.ahead = slip if slip > 0.0 else 0.0, 0.0, 0.0
-    return row.bound / row.stiffness if slip > 0.0 else length
+    row.before = row.bound / row.stiffness if slip > 0.0 else length
+    return row.before
+
+
+@inlined
+def sliding_work(row, length, gap):
+    """Work of friction in a substep in which a pair slides, or opens, N mm.
+
+    In between the stretch, the bound and the gap are taken to change evenly. The pair sticks until its force
+    comes to its bound, and from there on it holds that, until it opens.
+    """
+    bound = row.held if row.held < math.inf else 0.0  # not known of what touched at rest
+    if gap > 0.0:
+        length = row.before + (length - row.before) * row.deep / (row.deep + gap)
+    left, beyond = max(bound - row.whole * row.before, 0.0), row.stiffness * length - row.bound
+    share = left / (left + beyond) if left > 0.0 else 0.0
+    slip = length - row.bound / row.stiffness + row.ahead
+    return 0.5 * (bound + share * (row.bound - bound) + row.bound) * slip
 
 
 @inlined
@@ -92,6 +109,7 @@ def touches_first(row, law, weight, at, doubt, known):
     row.whole = row.stiffness = weight * law.kt
     row.closed, row.fresh, row.grazes, row.bound = True, True, False, math.inf
     row.slid, row.rise, row.held, row.released = 0.0, 0.0, 0.0, 0.0
+    row.before, row.deep = 0.0, 0.0
     row.stride, row.wanted, row.lead, row.ahead = 0.0, 0.0, 0.0, 0.0
     row.cut = 1.0
     if doubt > most:
