@@ -84,7 +84,7 @@ def _slip(law, vectors, m, row, e):
 
 
 @inlined
-def _error(law, predicted, vectors, m, row, way):
+def _error(law, predicted, vectors, m, row, direction):
     along, square = 0.0, 0.0
     for i in range(3):
         along += row.normal[i] * (vectors[m, i] - predicted[m, i])
@@ -112,25 +112,27 @@ def _lead(row):
 
 
 @inlined
-def _ahead(law, vectors, m, row, way, length):
-    return row.lead * law.d * (way[0] * row.onward[0] + way[1] * row.onward[1] + way[2] * row.onward[2])
+def _ahead(law, vectors, m, row, direction, length):
+    onward = row.onward
+    along = direction[0] * onward[0] + direction[1] * onward[1] + direction[2] * onward[2]
+    return row.lead * law.d * along
 
 
 @inlined
-def _hold(law, vectors, m, row, way, length, left):
+def _hold(law, vectors, m, row, direction, length, left):
     """By an arc where it slides or grazes, else by the vector that it would have without a stretch."""
     g, h = vectors[m], _distance(law, vectors, m)
     if law.mu < math.inf:
         angle = row.bound / (row.stiffness * law.d)
         for i in range(3):
-            row.vector[i] = math.cos(angle) * g[i] / h - math.sin(angle) * way[i]
+            row.vector[i] = math.cos(angle) * g[i] / h - math.sin(angle) * direction[i]
         _turn(row, row.vector)
         return
     along, square, e = 0.0, 0.0, np.empty(3)
     for i in range(3):
-        along += way[i] * g[i] / h
+        along += direction[i] * g[i] / h
     for i in range(3):
-        e[i] = way[i] - along * g[i] / h
+        e[i] = direction[i] - along * g[i] / h
         square += e[i] * e[i]
     size = math.sqrt(square) if square > 0.0 else 1.0
     angle = left / law.d if row.grazes else 0.0

@@ -29,18 +29,18 @@ SLIGHT = 1e-7  # wire diameters of penetration: its force is the least that fric
 
 class Geometry(NamedTuple):
     """What is to be known of pairs of one kind, as functions of their law, and of what is `there`: the places
-    of all in a state. `row` is the record of the pair m, `way` its slip or the direction of that."""
+    of all in a state. `row` is the record of the pair m, `direction` its slip or the direction of that."""
 
     weight: Any  # (law, m): stiffness of the pair over that of the law
     distance: Any  # (law, there, m): law.d where the pair touches
     facing: Any  # (law, there, m, v, points): fill v (3,), d long where it touches, and what faces there (6,)
     refer: Any  # (row, points): hold it from where these faced each other
-    slip: Any  # (law, there, m, row, e): length of its slip, and `way`; e (3,) is scratch
-    error: Any  # (law, predicted, there, m, row, way): how far that `way` is from the predicted one
+    slip: Any  # (law, there, m, row, e): length of its slip, and `direction`; e (3,) is scratch
+    error: Any  # (law, predicted, there, m, row, direction): how far that is from the predicted one
     bound: Any  # (law, h, normal, slope): bound of its friction, and how that grows with its penetration
     lead: Any  # (row): move its reference on, along its last slide, as it is wanted
-    ahead: Any  # (law, there, m, row, way, length): part along the slip of how far the reference is ahead, mm
-    hold: Any  # (law, there, m, row, way, length, left): move its reference after it, to where `left` is left
+    ahead: Any  # (law, there, m, row, direction, length): part of its lead along the slip, mm
+    hold: Any  # (law, there, m, row, direction, length, left): move its reference to where `left` is left
 
 
 @inlined
@@ -57,9 +57,9 @@ def _touch(geometry, law, places, m, row):
     unknown, touching = 1.0 if law.mu == math.inf else 1.0 - at, np.empty(6)
     doubt, square = np.zeros(3), 0.0
     for i in range(6):
-        way = points[2, i] - points[0, i]
+        change = points[2, i] - points[0, i]
         touching[i] = points[0, i] + at * (points[far, i] - points[0, i])
-        left = points[0, i] + other * way - touching[i] if predicted else way * unknown
+        left = points[0, i] + other * change - touching[i] if predicted else change * unknown
         doubt[i % 3] += left if i < 3 else -left
     for i in range(3):
         square += doubt[i] * doubt[i]
@@ -82,7 +82,7 @@ def accept(geometry, law, there, history):
             continue
         if not row.closed:
             _touch(geometry, law, (there, there, there), m, row)
-        grazed, (length, way) = row.grazes, geometry.slip(law, there, m, row, e)
+        grazed, (length, direction) = row.grazes, geometry.slip(law, there, m, row, e)
         if law.mu < math.inf:
             left = slid(length, row, gap)
         else:
@@ -94,7 +94,7 @@ def accept(geometry, law, there, history):
         if left == length:  # it gave way by no more than rounding
             row.stride = 0.0
         if left < length or grazed or row.grazes:
-            geometry.hold(law, there, m, row, way, length, left)
+            geometry.hold(law, there, m, row, direction, length, left)
     return least
 
 
@@ -120,21 +120,21 @@ def update(geometry, law, places, history):
         if row.opening:
             touches_again(row, geometry.distance(law, before, m), h, d)
             continue
-        length, way = geometry.slip(law, there, m, row, e)
+        length, direction = geometry.slip(law, there, m, row, e)
         if row.grazes:
             row.sticking = row.stiffness * length
             if row.lead > 0.0 and not leads(row, grazing_slip(row)):
                 change = max(change, row.stiffness * row.lead * row.stride)
                 geometry.lead(row)
-                length, way = geometry.slip(law, there, m, row, e)
+                length, direction = geometry.slip(law, there, m, row, e)
                 row.sticking = row.stiffness * length
-            row.ahead = geometry.ahead(law, there, m, row, way, length)
+            row.ahead = geometry.ahead(law, there, m, row, direction, length)
             continue
         if new:
             change = max(change, row.stiffness * length)
             row.released = 1.0 if mu == math.inf and geometry.distance(law, ahead, m) < d else 0.0
         elif row.fresh and geometry.distance(law, ahead, m) < d:
-            error = geometry.error(law, ahead, there, m, row, way)
+            error = geometry.error(law, ahead, there, m, row, direction)
             was_free = predicted_badly(row, error, located_to(mu) * d)
             change = max(change, was_free * row.stiffness * d)
         _, normal, slope = normal_law(max(d - h, 0.0), geometry.weight(law, m) * law.kc, law.k)
@@ -143,14 +143,14 @@ def update(geometry, law, places, history):
             opens_after(row, geometry.distance(law, before, m), geometry.distance(law, ahead, m), h, d)
             if not row.fresh:
                 _, held = geometry.slip(law, before, m, row, e)
-                turns_round(row, held, way, normal, d)
+                turns_round(row, held, direction, normal, d)
             continue
         bound, steepness = geometry.bound(law, h, normal, slope)
         row.steepness = steepness if h < d else 0.0
         change = max(change, update_bound(length, bound, d, row))
         if row.lead > 0.0 and not leads(row, row.slip):
             geometry.lead(row)
-            length, way = geometry.slip(law, there, m, row, e)
+            length, direction = geometry.slip(law, there, m, row, e)
             change = max(change, bound, update_bound(length, bound, d, row))
-        row.ahead = geometry.ahead(law, there, m, row, way, length)
+        row.ahead = geometry.ahead(law, there, m, row, direction, length)
     return change / most if change > 0.0 else 0.0

@@ -79,8 +79,8 @@ def first_touch(before, after, d):
         along -= before[i] * change
         square += change**2
     outside = start - d * d
-    way = along + math.sqrt(max(along**2 - square * outside, 0.0))
-    return outside / way if outside > 0.0 and way > 0.0 else 0.0
+    root = along + math.sqrt(max(along**2 - square * outside, 0.0))
+    return outside / root if outside > 0.0 and root > 0.0 else 0.0
 
 
 @inlined

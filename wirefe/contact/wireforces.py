@@ -308,8 +308,8 @@ def add_wires(contact, history, state, g, H):
             clear_table(Q)
             _normal(F, slope, h, Q)
         if row.closed:
-            way = slip(contact, points, state, m, row.arms)
-            xi = (dot(way, n), dot(way, b), dot(way, u))
+            vector = slip(contact, points, state, m, row.arms)
+            xi = (dot(vector, n), dot(vector, b), dot(vector, u))
             rho = math.sqrt(xi[1] ** 2 + xi[2] ** 2)
             stored, force, slope = tangential_law(rho, row)
             energy += stored

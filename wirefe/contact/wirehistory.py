@@ -51,9 +51,9 @@ def _slip(contact, there, m, row, e):
 
 
 @inlined
-def _error(contact, predicted, there, m, row, way):
+def _error(contact, predicted, there, m, row, direction):
     _, expected = tangential_slip(contact, predicted[1], predicted[0], m, row)
-    error = plus(way, -1.0, expected)
+    error = plus(direction, -1.0, expected)
     return math.sqrt(dot(error, error))
 
 
@@ -70,19 +70,19 @@ def _lead(row):
 
 
 @inlined
-def _ahead(contact, there, m, row, way, length):
+def _ahead(contact, there, m, row, direction, length):
     if row.lead == 0.0 or length == 0.0:
         return 0.0
-    return -row.lead * dot(between_sections(contact, there[0], m, row.onward), way) / length
+    return -row.lead * dot(between_sections(contact, there[0], m, row.onward), direction) / length
 
 
 @inlined
-def _hold(contact, there, m, row, way, length, left):
+def _hold(contact, there, m, row, direction, length, left):
     if left == length:
         return
     for i in range(6):
         row.onward[i] = row.arms[i]
-    back = plus(way, left / length - 1.0, way)
+    back = plus(direction, left / length - 1.0, direction)
     touching_points(contact, there[1], there[0], m, back, row.arms)
     for i in range(6):
         row.onward[i] = row.arms[i] - row.onward[i]

@@ -141,6 +141,6 @@ def between_sections(contact, state, m, arms):
 def tangential_slip(contact, points, state, m, row):
     """Length of the part of a pair's slip across n, and that part."""
     _, n, _, _, _ = gap(contact, points, m)
-    way = slip(contact, points, state, m, row.arms)
-    way = plus(way, -dot(way, n), n)
-    return math.sqrt(dot(way, way)), way
+    vector = slip(contact, points, state, m, row.arms)
+    vector = plus(vector, -dot(vector, n), n)
+    return math.sqrt(dot(vector, vector)), vector

@@ -202,7 +202,7 @@ def free_share(system, task, work, path, bend, substep):
     halfway = bend > 0.0 and task.located < np.inf
     if halfway:
         predict(system, task, work, path, bend, substep.target - half)
-        way, _, free = displacement_bound(system, work.state, work.predicted, gap)
+        distance, _, free = displacement_bound(system, work.state, work.predicted, gap)
         if free != 1.0:
             return 0.5 * free if free < 1.0 else free
         copy(work.predicted, work.scratch)
@@ -212,7 +212,7 @@ def free_share(system, task, work, path, bend, substep):
         return BETWEEN
     if free < 1.0 or not halfway:
         return free
-    _, _, free = displacement_bound(system, work.scratch, work.predicted, gap - way)
+    _, _, free = displacement_bound(system, work.scratch, work.predicted, gap - distance)
     return BETWEEN if free == BETWEEN else 1.0
 
 
