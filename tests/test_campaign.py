@@ -44,6 +44,7 @@ from validation.campaign.wireverifier import (
 )
 from validation.cli import main
 from validation.cli.arguments import CAMPAIGN_RANGES
+from validation.study.rows import append
 
 SEED = 1
 LAWS = ("haringx", "helix")
@@ -538,7 +539,7 @@ def test_rows_of_another_seed_or_version_are_not_kept(tmp_path):
     ):
         file.unlink(missing_ok=True)
         assert table.kept(file, (SEED,), row["version"]) == set()
-        table.append([row], file)
+        append([row], file, COLUMNS)
         assert table.kept(file, seeds, version) == keys
         assert len(read_rows(file)) == len(keys)
 

@@ -12,7 +12,7 @@ from coilspring import InputError
 from validation.study.template import statement
 from validation.verification import requested, requestedpage
 from validation.verification.requestedpage import FREE, HELD, OPEN, WIRES, WORDS, prepared, short
-from validation.verification.requestedruns import REFUSED, springs
+from validation.verification.requestedruns import ACCURACIES, REFUSED, springs
 
 ROOT = Path(__file__).parents[1]
 FOUND = {"stations": 64.0, "estimated": 2e-5, "true": 1e-5, "seconds": 0.5, "cheapest": 0.2}
@@ -179,21 +179,44 @@ def test_springs_are_what_the_page_says():
         assert len(scene.load.displacement or (0.0,)) == 1
 
 
-def test_several_seeds_go_on_where_they_were_interrupted(tmp_path, monkeypatch):
-    solved = []
+@pytest.fixture
+def solved(monkeypatch):
+    """Seeds of the springs that were solved, one after the other; all have one good answer."""
+    seeds = []
 
-    def one(drawn, scene):
-        solved.append(drawn.seed)
-        row = {"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number, "asked": 1e-2}
-        found = {"outcome": "completed", "own": 0.0, "contact": "none", "closed": 0}
-        return [row | found | FOUND]
+    def three(drawn, scene):
+        seeds.append(drawn.seed)
+        row = {"seed": drawn.seed, "kind": drawn.kind, "number": drawn.number, "level": 4}
+        found = {"outcome": "completed", "own": 1e-7, "contact": "none", "closed": 0}
+        rows = [row | found | FOUND | {"asked": asked} for asked in ACCURACIES]
+        return [*rows[:2], rows[2] | {"outcome": REFUSED, "true": math.nan}]
 
-    monkeypatch.setattr(requested, "rows", one)
+    monkeypatch.setattr(requested, "rows", three)
+    return seeds
+
+
+def test_several_seeds_go_on_where_they_were_interrupted(tmp_path, solved):
     arguments = ["--out", str(tmp_path), "--each", "1", "--seed"]
     requested.main([*arguments, "1"])
     requested.main([*arguments, "1", "2"])
     assert solved == [1] * 8 + [2] * 8
-    assert len(pd.read_csv(tmp_path / requested.CSV)) == 16
+    assert len(pd.read_csv(tmp_path / requested.CSV)) == 48
+
+
+@pytest.mark.parametrize("left", [1, 2, 3, 4], ids=lambda left: f"{left} lines")
+@pytest.mark.parametrize("cut", [0, 1, 30], ids=["between rows", "before the end of a line", "amid a row"])
+def test_a_spring_of_which_rows_are_missing_is_solved_again(left, cut, tmp_path, solved):
+    """The first three lines are the columns and two of the three rows of the first spring."""
+    whole = requested.study(tmp_path, 1, (1,))
+    file = tmp_path / requested.CSV
+    text = file.read_text()
+    lines = text.splitlines(keepends=True)
+    part = "".join(lines[:left])
+    file.write_text(part[: len(part) - cut])
+    solved.clear()
+    pd.testing.assert_frame_equal(requested.study(tmp_path, 1, (1,)), whole)
+    assert len(solved) == (7 if (left, cut) == (4, 0) else 8)
+    assert file.read_text() == text
 
 
 def test_rows_of_runs_are_recorded_letter_for_letter(tmp_path, monkeypatch):

@@ -21,12 +21,13 @@ from validation.campaign.overlap import verify_overlap
 from validation.campaign.page import write_page
 from validation.campaign.runs import verified_rows, verify_invariance, verify_steps
 from validation.campaign.scenes import Case, case_id, make_case
-from validation.campaign.table import Key, Row, row_of, row_text, version
+from validation.campaign.table import COLUMNS, Key, row_of, row_text, version
 from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, UNEXPLAINED, VERIFIED, Verdict, reached
 from validation.campaign.wire import WireForces
 from validation.campaign.wirejump import verify_jump
 from validation.study.files import prepare
 from validation.study.provenance import write_provenance
+from validation.study.rows import Row, append
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
 PATIENCE = "10s"  # for a scheduler to answer
@@ -81,7 +82,7 @@ def campaign(
     missing = [key for key in wanted if key not in known]
     done = len(wanted) - len(missing)
     for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers, scheduler):
-        table.append(rows, file)
+        append(rows, file, COLUMNS)
         done += len(rows)
         progress(done, len(wanted))
     chosen = table.sort(file, wanted)

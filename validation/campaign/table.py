@@ -1,7 +1,5 @@
-"""The campaign's table: rows of texts, appended to a file and found again after an interruption."""
+"""The campaign's table: a row of texts for each case, found again after an interruption."""
 
-import io
-import os
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -12,8 +10,8 @@ import pandas as pd
 from coilspring import EquilibriumPath
 from validation.campaign.scenes import Case
 from validation.campaign.verdict import Verdict
-from validation.study.files import write_text, writing
 from validation.study.keys import digest, source_files
+from validation.study.rows import Row, whole_rows, write
 
 NUMBERS = (
     "residual", "whole", "least", "normal", "friction", "branch", "bracket", "critical_shift", "passed",
@@ -26,7 +24,6 @@ COLUMNS = (
     "exponent", "geometry", "pairs", "sliding", "index", "coils", "slenderness", "taper", "by", "load",
     "held", "time", *TIP, "kind", *NUMBERS, "message", "seconds",
 )  # fmt: skip
-Row = dict[str, str]
 Key = tuple[int, str]  # seed and id
 
 
@@ -75,43 +72,30 @@ def row_text(row: Row) -> str:
 
 def kept(target: Path, seeds: Sequence[int], version: str) -> set[Key]:
     """Keys of a file's rows of some seeds and one version; the others, and a last line that was cut, go."""
-    data = read_rows(target)
-    data = data[data["seed"].isin([str(seed) for seed in seeds]) & (data["version"] == version)]
-    write_text(target, _csv(data))
-    return set(zip(data["seed"].astype(int), data["id"], strict=True))
-
-
-def append(rows: list[Row], target: Path) -> None:
-    """Add rows at the end of a file; they are on disk when this returns."""
-    with writing(target), target.open("a", encoding="utf-8", newline="") as stream:
-        stream.write(_csv(pd.DataFrame(rows, columns=list(COLUMNS)), header=False))
-        stream.flush()
-        os.fsync(stream.fileno())
+    found = whole_rows(target, COLUMNS)
+    rows = [row for row in found if int(row["seed"]) in seeds and row["version"] == version]
+    write(rows, target, COLUMNS)
+    return {_key(row) for row in rows}
 
 
 def sort(target: Path, wanted: list[Key]) -> pd.DataFrame:
     """Write a file in the order of seeds and ids, and return the rows of those wanted."""
-    data = read_rows(target)
-    data = data.set_index([data["seed"].astype(int), data["id"]]).sort_index()
-    write_text(target, _csv(data))
-    return data.loc[wanted].reset_index(drop=True)
-
-
-def _csv(data: pd.DataFrame, header: bool = True) -> str:
-    return data.to_csv(index=False, header=header, lineterminator="\n")
+    rows = {_key(row): row for row in sorted(whole_rows(target, COLUMNS), key=_key)}
+    write(rows.values(), target, COLUMNS)
+    return _frame([rows[key] for key in wanted])
 
 
 def read_rows(target: Path) -> pd.DataFrame:
-    """Whole rows of a file, texts; none where there is no such file or its columns are others."""
-    none = pd.DataFrame(columns=list(COLUMNS), dtype=str)
-    if not target.exists():
-        return none
-    with writing(target):
-        text = target.read_text(encoding="utf-8")
-    whole = text[: text.rfind("\n") + 1]
-    if whole.partition("\n")[0] != ",".join(COLUMNS):
-        return none
-    return pd.read_csv(io.StringIO(whole), dtype=str, keep_default_na=False).dropna()
+    """Whole rows of a file; none where there is no such file or its columns are others."""
+    return _frame(whole_rows(target, COLUMNS))
+
+
+def _key(row: Row) -> Key:
+    return int(row["seed"]), row["id"]
+
+
+def _frame(rows: list[Row]) -> pd.DataFrame:
+    return pd.DataFrame(rows, columns=list(COLUMNS), dtype=str)
 
 
 @lru_cache(maxsize=1)

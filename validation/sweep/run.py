@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -18,9 +16,10 @@ from coilspring.curves import COMPONENTS
 from coilspring.solver.interface import Kernels
 from coilspring.sweep import CRASHED, REFUSED, Outcome, outcomes_as_they_come
 from coilspring.words import counted
-from validation.study.files import content_of, json_bytes, keep, write_bytes, write_text, writing
+from validation.study.files import content_of, json_bytes, keep, write_bytes
 from validation.study.keys import run_key
 from validation.study.machine import versions
+from validation.study.rows import Row, append, whole_rows, write
 from validation.study.texts import number_of
 from validation.sweep.grid import Point, Varied, points
 
@@ -34,7 +33,6 @@ RESULTS = (
     *("iterations", "active_contacts", "max_penetration", "max_contact_force", "max_stress"),
     *("critical_time", "message", "key"),
 )
-Row = dict[str, str]  # texts by column
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ def sweep(
     """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order; and
     ``sweep.json``: the scene, the values, how they are solved, and what else is known `about` them.
 
-    A row is on disk as soon as its scene is solved. Rows that are there already from the same scenes,
+    A row is in the file as soon as its scene is solved. Rows that are there already from the same scenes,
     options and sources are not solved again; a file with any others is kept under another name, see
     `kept_files`. `table` has the keys of the scene; `workers`: see `coilspring.sweep.outcomes`; `progress`
     is called with the number of scenes done and of all.
@@ -83,13 +81,11 @@ def sweep(
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
     target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
     wanted = set(keys)
-    content = content_of(target) or b""
-    old = content.decode("utf-8", errors="replace")  # it may be of another program
-    # what belongs to another sweep is left out, as is a last line that was cut: it has no whole key
-    rows = {row["key"]: row for row in _read(old, columns) if row["key"] in wanted}
-    if _holds_more(old, columns, wanted):
+    found = (row for row in whole_rows(target, columns) if row["outcome"] != CRASHED)
+    rows = {row["key"]: row for row in found if row["key"] in wanted}
+    if _holds_more(target, columns, wanted):
         _keep(folder)
-    write_text(target, _csv(columns, rows.values()))
+    write(rows.values(), target, columns)
     scene = {"scene": table.get("name"), "scene_table": table}
     values = {"varied": {each.key: each.values for each in varied}}
     settings = scene | values | _settings(task[1] for task in tasks if task) | dict(about)
@@ -103,8 +99,7 @@ def sweep(
         for number, outcome in outcomes_as_they_come(jobs, chunk=chunk, workers=workers, kernels=_kernels):
             i = numbers[number]
             row = _row(columns, keys[i], grid[i], outcome)
-            with writing(target), target.open("a", encoding="utf-8", newline="") as stream:
-                stream.write(_csv(columns, [row], header=False))
+            append([row], target, columns, synced=False)  # the beam finds a thousand a second
             rows[keys[i]] = row
             done += 1
             progress(done, len(grid))
@@ -115,7 +110,7 @@ def sweep(
         if point.scene is None:
             rows[key] = _row(columns, key, point, Outcome(REFUSED, point.refused))
     ordered = [rows[key] for key in keys]
-    write_text(target, _csv(columns, ordered))
+    write(ordered, target, columns)
     return ordered
 
 
@@ -155,14 +150,9 @@ def _key(point: Point, task: tuple[Scene, Choice] | None) -> str:
     return run_key(choice.model, scene, choice.options)[:DIGITS]
 
 
-def _read(text: str, columns: Sequence[str]) -> list[Row]:
-    """Whole rows of a file that need not be found again; none where its columns are others."""
-    rows = (row for row in csv.DictReader(io.StringIO(text)) if list(row) == list(columns))
-    return [row for row in rows if row["outcome"] != CRASHED]
-
-
-def _holds_more(text: str, columns: Sequence[str], wanted: Collection[str]) -> bool:
+def _holds_more(file: Path, columns: Sequence[str], wanted: Collection[str]) -> bool:
     """Whether a file has other columns, or solved rows other than those `wanted`."""
+    text = (content_of(file) or b"").decode("utf-8", errors="replace")
     head, *lines = text.splitlines() or [""]
     if head != ",".join(columns):
         return bool(text.strip())
@@ -198,15 +188,6 @@ def _row(columns: Sequence[str], key: str, point: Point, found: Outcome) -> Row:
         if value is not None
     }
     return {name: texts.get(name, "") for name in columns}
-
-
-def _csv(columns: Sequence[str], rows: Iterable[Row], header: bool = True) -> str:
-    stream = io.StringIO()
-    writer = csv.DictWriter(stream, columns, lineterminator="\n")
-    if header:
-        writer.writeheader()
-    writer.writerows(rows)
-    return stream.getvalue()
 
 
 def write_picture(folder: Path, rows: Sequence[Row], keys: Sequence[str], scene: Scene, model: str) -> None:

@@ -15,8 +15,9 @@ import pandas as pd
 
 from coilspring import InputError
 from validation.study.files import write_text
+from validation.study.rows import Row, append, whole_rows, write
 from validation.verification.requestedpage import page, prepared, summary
-from validation.verification.requestedruns import EACH, SEED, rows, springs
+from validation.verification.requestedruns import ACCURACIES, COLUMNS, EACH, SEED, rows, springs
 
 CSV = "requested.csv"
 PAGE, RECORD = Path("docs/accuracy-on-request.md"), Path("reports/requested")
@@ -26,13 +27,23 @@ def study(folder: Path, each: int = EACH, seeds: Iterable[int] = (SEED,)) -> pd.
     """Write the rows of all springs, `each` of every kind and seed; those that are there already are kept."""
     folder.mkdir(parents=True, exist_ok=True)
     target = folder / CSV
-    known = pd.read_csv(target)[["seed", "kind", "number"]].values.tolist() if target.is_file() else []
+    known = _complete(whole_rows(target, COLUMNS))
+    write((row for found in known.values() for row in found), target, COLUMNS)
     for seed in seeds:
         for drawn, scene in springs(each, seed=seed):
-            if [drawn.seed, drawn.kind, drawn.number] not in known:
-                found = pd.DataFrame(rows(drawn, scene))
-                found.to_csv(target, mode="a", header=not target.is_file(), index=False)
+            if (str(drawn.seed), drawn.kind, str(drawn.number)) not in known:
+                found = pd.DataFrame(rows(drawn, scene)).astype(object).fillna("")
+                append(found.to_dict("records"), target, COLUMNS)
     return pd.read_csv(target)
+
+
+def _complete(found: Iterable[Row]) -> dict[tuple[str, ...], list[Row]]:
+    """Rows of each spring that has all accuracies: a run may have ended amid those of one."""
+    springs: dict[tuple[str, ...], list[Row]] = {}
+    for row in found:
+        springs.setdefault((row["seed"], row["kind"], row["number"]), []).append(row)
+    asked = set(ACCURACIES)
+    return {key: rows for key, rows in springs.items() if {float(row["asked"]) for row in rows} == asked}
 
 
 def record(files: Iterable[Path], folder: Path = RECORD) -> None:

@@ -39,6 +39,10 @@ CONTACTS: tuple[tuple[str, str, float | None], ...] = (
 )
 REPEATS = 5  # of each timing
 REFUSED, NUMBERS = "refused", ("stations", "estimated", "true", "seconds", "cheapest")
+COLUMNS = (
+    *("sources", "seed", "kind", "number", "coils", "contact", "closed", "reference", "own"),
+    *("asked", "outcome", "level", *NUMBERS),
+)
 
 
 def springs(each: int, seed: int = SEED) -> Iterator[tuple[Drawn, Scene]]:
