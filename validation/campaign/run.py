@@ -10,6 +10,8 @@ from functools import partial
 from pathlib import Path
 from time import process_time
 
+import pandas as pd
+
 from coilspring import EquilibriumPath, InputError
 from coilspring.words import counted
 from coilspring.workers import processes
@@ -21,8 +23,8 @@ from validation.campaign.overlap import verify_overlap
 from validation.campaign.page import write_page
 from validation.campaign.runs import verified_rows, verify_invariance, verify_steps
 from validation.campaign.scenes import Case, case_id, make_case
-from validation.campaign.table import COLUMNS, Key, row_of, row_text, version
-from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, UNEXPLAINED, VERIFIED, Verdict, reached
+from validation.campaign.table import COLUMNS, Key, row_of, version
+from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, VERIFIED, Verdict, reached
 from validation.campaign.wire import WireForces
 from validation.campaign.wirejump import verify_jump
 from validation.study.files import prepare
@@ -41,9 +43,8 @@ def campaign(
     seeds: Sequence[int] = (1,),
     workers: int | None = None,
     scheduler: str | None = None,
-    case: str | None = None,
     progress: Callable[[int, int], None] = lambda done, of: None,
-) -> int:
+) -> pd.DataFrame:
     """Verify the first `beams` and `wires` scenes of each seed, and write what became of them.
 
     ``stability.csv`` takes a row for each case as it is verified; a campaign that was interrupted goes on
@@ -56,13 +57,12 @@ def campaign(
     seeds : of the sequences that the scenes are drawn from.
     workers : processes; by default one for each processor core. 0: in this process.
     scheduler : address of a Dask scheduler, whose workers take the place of the processes.
-    case : id of the one case to verify again; its row is printed and nothing is written.
     progress : called with the number of cases verified so far and the number of all.
 
     Returns
     -------
-    int
-        0 where every outcome is explained, else 1.
+    pandas.DataFrame
+        The rows of the scenes, texts, in the order of seeds and ids.
 
     Raises
     ------
@@ -70,10 +70,6 @@ def campaign(
     """
     if scheduler is not None and workers is not None:
         raise InputError(f"workers are the cluster's where a scheduler is given, got workers {workers}")
-    if case is not None:
-        rows = [verified(case, seed) for seed in seeds]
-        print("\n\n".join(map(row_text, rows)))
-        return int(any(row["class"] == UNEXPLAINED for row in rows))
     prepare(out)
     file = out / "stability.csv"
     names = [case_id("b", i) for i in range(beams)] + [case_id("w", i) for i in range(wires)]
@@ -89,9 +85,13 @@ def campaign(
     write_page(chosen, out)
     options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"
     write_provenance(f"coilcheck stability {options}", out)
-    counts = (f"{count} {name}" for name, count in chosen["class"].value_counts().items())
-    print(f"{counted(len(chosen), 'scene')}: {', '.join(counts)}")
-    return int((chosen["class"] == UNEXPLAINED).any())
+    return chosen
+
+
+def digest(data: pd.DataFrame) -> list[str]:
+    """How many scenes have which class, for a reader at the terminal."""
+    counts = (f"{count} {name}" for name, count in data["class"].value_counts().items())
+    return [f"{counted(len(data), 'scene')}: {', '.join(counts)}"]
 
 
 def verified(name: str, seed: int, law: UserLaw | None = None) -> Row:

@@ -5,7 +5,6 @@ Each gives the lines to be said, and in one sentence what is wrong.
 
 import argparse
 from collections.abc import Callable, Mapping
-from contextlib import nullcontext
 from pathlib import Path
 
 from coilspring import CATALOGUE, InputError, Scene, load_scene
@@ -135,9 +134,9 @@ def _require_shipped(scenes: Mapping[str, Scene], arguments: argparse.Namespace)
 
 def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Judge sampled scenes of both models."""
-    options = given(arguments, ("case", "scheduler"))
-    others = given(arguments, ("beams", "wires", "workers", "scheduler", "out")) if arguments.case else ()
-    for name in others:
+    options, case = given(arguments, ("scheduler",)), arguments.case
+    without = ("beams", "wires", "workers", "scheduler", "out") if case is not None else ()
+    for name in given(arguments, without):
         raise InputError(
             f"{flag(name)} has no effect beside --case, which verifies one case, writing nothing"
         )
@@ -145,15 +144,20 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
         options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
     if options.get("beams") == options.get("wires") == 0:
         raise InputError("--beams and --wires must not both be 0, which is no scene to verify")
-    options["seeds"] = _seeds(options.pop("seed", None), arguments.seeds)
-    writes = "case" not in options
+    seeds = _seeds(options.pop("seed", None), arguments.seeds)
     progress(LOADING)
-    from validation.campaign.run import campaign
+    from validation.campaign.run import campaign, digest, verified
+    from validation.campaign.table import row_text
+    from validation.campaign.verdict import UNEXPLAINED
 
-    with claimed(folder) if writes else nullcontext(), writing(folder):
-        code = campaign(folder, **options, progress=_counted(progress))
-    lines = [f"written to {folder}"] if writes else []
-    return lines, "not every outcome is explained" if code else ""
+    if case is not None:
+        rows = [verified(case, seed) for seed in seeds]
+        lines, classes = ["\n\n".join(map(row_text, rows))], [row["class"] for row in rows]
+    else:
+        with claimed(folder), writing(folder):
+            data = campaign(folder, **options, seeds=seeds, progress=_counted(progress))
+        lines, classes = [*digest(data), f"written to {folder}"], list(data["class"])
+    return lines, "not every outcome is explained" if UNEXPLAINED in classes else ""
 
 
 def _seeds(one: int | None, listed: str | None) -> tuple[int, ...]:
