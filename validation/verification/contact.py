@@ -177,7 +177,7 @@ def limit_point() -> dict[str, Any]:
     return found | {"first": lower[most], "second": upper[most]}
 
 
-def percent(share: float) -> str:
+def two_figures(share: float) -> str:
     """A share in percent, to two figures; 0 below a solver's tolerance."""
     return f"{100.0 * share:.2g} %" if share > TOLERANCE else "0"
 
@@ -193,7 +193,7 @@ def coefficient(mu: float) -> str:
     return "no sliding" if mu == NONE else f"{mu:g}"
 
 
-WORDS = template.template(Path(__file__).with_name("contact.md"), [percent, tip, coefficient, pd.notna])
+WORDS = template.template(Path(__file__).with_name("contact.md"), [two_figures, tip, coefficient, pd.notna])
 WORDS.globals.update(
     force=FORCE, like=LIKE, steps=STEPS, least_work=SLIDES, d=spring_a().spring.wire_diameter
 )

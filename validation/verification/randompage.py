@@ -59,11 +59,6 @@ def number(value: float) -> str:
     return "" if np.isnan(value) else f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
-def percent(share: float) -> str:
-    """A share in per cent, without the sign."""
-    return f"{100.0 * share:.3g}"
-
-
 def cell(errors: pd.Series) -> str:
     """Median / 95th percentile (springs)."""
     known = errors.dropna()
@@ -97,7 +92,7 @@ def over_seeds(rows: pd.DataFrame, column: str, closing: int, share: float) -> s
     return f"{number(found.min())} to {number(found.max())}"
 
 
-SAID = (errors, number, percent, cell, both, in_words, percentile_bound, over_seeds)
+SAID = (errors, number, cell, both, in_words, percentile_bound, over_seeds)
 WORDS = template.template(Path(__file__).with_name("randomsprings.md"), SAID)
 WORDS.globals.update(
     **{"drawn": randomscenes, "study": randomsprings, "few": FEW, "confidence": CONFIDENCE},
