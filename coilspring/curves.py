@@ -1,6 +1,7 @@
 """Deviation of two equilibrium paths of one scene: load curves and shapes."""
 
-from collections.abc import Mapping
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +12,29 @@ COMPONENTS = ("ux", "uy", "rotz")
 # A component whose reference peak is below this share of the largest one is fixed, or only rounding.
 NEGLIGIBLE = 1e-9
 NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What a top answers to its load, as far as it goes."""
+
+    times: np.ndarray  # (steps,)
+    answers: np.ndarray  # (steps, components) UX, UY, mm, ROTZ, rad; for a prescribed UY the axial force, N
+
+    @classmethod
+    def of(cls, path: EquilibriumPath) -> Curve:
+        """Curve of a path."""
+        return cls.answered(path.times, path.tips, path.loads[:, 1] if path.scene.load.displacement else None)
+
+    @classmethod
+    def answered(cls, times: np.ndarray, tips: np.ndarray, force: np.ndarray | None) -> Curve:
+        """Curve of tips, (steps, components), and of the axial force that holds a prescribed UY."""
+        return cls(times, tips if force is None else np.column_stack((tips[:, 0], force, tips[:, 2])))
+
+    @property
+    def by_name(self) -> dict[str, np.ndarray]:
+        """Answers of each of `COMPONENTS`, (steps,)."""
+        return dict(zip(COMPONENTS, self.answers.T, strict=True))
 
 
 @dataclass(frozen=True)
@@ -47,7 +71,7 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     reference : the path whose peaks the curve errors are divided by.
     """
     times, mine, theirs = np.intersect1d(path.times, reference.times, return_indices=True)
-    curve = compare_curves(path.times, answered(path), reference)
+    curve = compare_curves(Curve.of(path), Curve.of(reference))
     if times.size == 0:
         return curve
     vectors = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
@@ -55,46 +79,34 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     return replace(curve, shape_max=float(distance.max()), shape_rms=float(np.sqrt(np.mean(distance**2))))
 
 
-def compare_curves(
-    times: np.ndarray, responses: Mapping[str, np.ndarray], reference: EquilibriumPath
-) -> Comparison:
-    """Compare a load curve alone with a path; the shape is not a number.
+def compare_curves(curve: Curve, reference: Curve) -> Comparison:
+    """Compare load curves alone at the times of both; the shape is not a number.
 
     Parameters
     ----------
-    times : (steps,) of the load.
-    responses : of each of `COMPONENTS`, (steps,): mm, rad; "uy" the axial force, N, where UY is prescribed.
-    reference : the path whose peaks the curve errors are divided by.
+    curve : what is compared.
+    reference : whose peaks, of all its times, the curve errors are divided by.
     """
     # equal fractions of time are equal numbers, whatever the two numbers of steps
-    common, mine, theirs = np.intersect1d(times, reference.times, return_indices=True)
+    common, mine, theirs = np.intersect1d(curve.times, reference.times, return_indices=True)
     if common.size == 0:
         return Comparison(NAN, NAN, NAN, NAN, {}, {}, 0, 0.0)
-    curves, wanted = stacked(responses), stacked(answered(reference))
-    moved = peaks(wanted)
-    relative = (curves[mine] - wanted[theirs]) / moved
-    kept = [i for i, peak in enumerate(moved) if peak < np.inf]
-    names, relative = [COMPONENTS[i] for i in kept], relative[:, kept]
+    relative = over_peak(curve.answers[mine], reference.answers, theirs)
+    moved = ~np.isnan(relative).all(axis=0)
+    names, relative = np.array(COMPONENTS)[moved].tolist(), relative[:, moved]
     largest = dict(zip(names, np.abs(relative).max(axis=0).tolist(), strict=True))
     rms = dict(zip(names, np.sqrt(np.mean(relative**2, axis=0)).tolist(), strict=True))
     ends = (common.size, float(common[-1]))
     return Comparison(max(largest.values()), max(rms.values()), NAN, NAN, largest, rms, *ends)
 
 
-def answered(path: EquilibriumPath) -> dict[str, np.ndarray]:
-    """What a path answers to its load, each (steps,): the reaction where UY is prescribed."""
-    answers = dict(zip(COMPONENTS, path.tips.T, strict=True))
-    if path.scene.load.displacement:
-        answers["uy"] = path.loads[:, 1]
-    return answers
+def over_peak(
+    answers: np.ndarray, reference: np.ndarray, rows: np.ndarray | slice = slice(None)
+) -> np.ndarray:
+    """Difference of answers (steps, components) from some rows of a reference, over its peaks in all rows.
 
-
-def stacked(answers: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Answers of all `COMPONENTS`, (steps, components)."""
-    return np.column_stack([answers[name] for name in COMPONENTS])
-
-
-def peaks(curves: np.ndarray) -> np.ndarray:
-    """Peaks of curves (steps, components), which differences are divided by; infinite where one is fixed."""
-    largest = np.abs(curves).max(axis=0)
-    return np.where(largest > NEGLIGIBLE * largest.max(), largest, np.inf)
+    Not a number where the reference does not move.
+    """
+    peaks = np.abs(reference).max(axis=0, initial=0.0)
+    moved = peaks > NEGLIGIBLE * peaks.max()
+    return (answers - reference[rows]) / np.where(moved, peaks, NAN)

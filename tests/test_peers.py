@@ -225,7 +225,7 @@ def alone(peer, **load):
         "import numpy as np; from test_peers import short; from validation.peers.comparison import compare\n"
         f"found = compare(short(**{load!r}), {peer!r})\n"
         "assert found.rows == len(found.wire.times) == found.scene.load.rows\n"
-        "print(found.difference, *np.concatenate(list(found.peer.answers.values())))"
+        "print(found.difference, *found.peer.curve.answers.T.ravel())"
     )
     run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=ROOT)
     difference, *answers = map(float, run.stdout.split())
@@ -269,9 +269,12 @@ def compared(steps, reached, factor=1.0):
     return PeerComparison(spring_b().with_steps(steps), wire, curve)
 
 
-def test_the_difference_is_of_the_peak_as_far_as_both_go():
+def test_the_difference_goes_as_far_as_both_over_the_peak_of_the_wire_model():
     assert compared(4, 4, 1.001).difference == pytest.approx(1e-3)
-    assert compared(4, 2, 1.001).difference == pytest.approx(1e-3)
+    ended = compared(4, 2, 1.001)
+    reached = np.abs(ended.wire.tips[:, 1]) / np.abs(ended.wire.tips[:, 1]).max()
+    assert reached[1] < 0.8  # as `compare` has it, the peak is that of the wire model's whole path
+    assert ended.difference == pytest.approx(1e-3 * reached[1])
     nothing = compared(4, 0)
     assert np.isnan(nothing.difference)
     assert nothing.lines()[-1] == "no step in common"
@@ -293,7 +296,7 @@ def test_the_page_has_both_codes_at_the_last_common_step():
     first, second = (line for line in text.splitlines() if "| wirefe |" in line or "| opensees |" in line)
     cells = [cell.strip() for cell in first.strip("|").split("|")]
     assert cells[:5] == ["spring-b", "4", "2", "0.5", "wirefe"]
-    assert "| 0.1000 | 2 |" in second
+    assert "| 0.0731 | 2 |" in second  # 0.1 % of 73.1 % of the peak
     assert "steps, opensees" in text
     assert "- spring-b does not reach full load: opensees ended early, after 2 of 4 steps" in text
     assert "full load:" not in page.page("opensees", {"spring-b": compared(4, 4)})

@@ -13,11 +13,13 @@ import pytest
 
 import wirefe
 from coilspring import Contact, Spring, spring_a
+from coilspring.curves import Curve
 from validation.study.template import statement
 from validation.verification import ablation, randompage, randomsprings
 from validation.verification.randomscenes import BUCKLING, KINDS, SIDE, SOLID, population
 
 ROOT = Path(__file__).parents[1]
+RADIUS = 5.0  # mm, of the springs whose paths are given
 
 
 @pytest.fixture(scope="module")
@@ -51,12 +53,12 @@ def test_population():
 
 
 def errors(path, wire):
-    return randomsprings.curve_errors(randomsprings.Answers.of(path), randomsprings.Answers.of(wire))
+    return randomsprings.curve_errors(Curve.of(path), Curve.of(wire), RADIUS)
 
 
 def fake(tips, displacement=(), loads=None):
     """What errors are read off of a path."""
-    spring = Spring(1.0, 10.0, 5.0, 10.0)
+    spring = Spring(1.0, 2.0 * RADIUS, 5.0, 10.0)
     scene = SimpleNamespace(load=SimpleNamespace(displacement=displacement), spring=spring)
     times = np.linspace(0.0, 1.0, len(tips) + 1)[1:]
     return SimpleNamespace(tips=np.array(tips), times=times, loads=loads, scene=scene)

@@ -13,11 +13,11 @@ import validation.workprecision.run as work
 import validation.workprecision.settings as worksettings
 import wirefe
 from coilspring import Contact, EquilibriumNotFound, InputError, Load, Scene, Spring, scene_text
-from coilspring.curves import COMPONENTS
 from equivbeam.laws import LAWS
 from validation.cli import main
 from validation.cli.arguments import STUDY_SCENES
 from validation.peers.comparison import opensees
+from validation.peers.layout import PeerCurve
 from validation.study.cases import PAPER_MESH
 from validation.study.provenance import write_provenance
 from validation.study.scenes import study_scenes
@@ -169,8 +169,7 @@ def straight(scene, steps, tolerance, elements_per_turn):
     path = wirefe.solve(scene, steps=steps, elements_per_turn=elements_per_turn)
     tips = path.tips if steps > 10 else path.tips[: steps // 2]
     times = np.arange(1, len(tips) + 1) / steps
-    answers = dict(zip(COMPONENTS, tips.T, strict=True))
-    return SimpleNamespace(tips=tips, answers=answers, times=times, seconds=7.0, iterations=9, steps=steps)
+    return PeerCurve("opensees", times, tips, seconds=7.0, iterations=9)
 
 
 def test_opensees_is_listed_and_drawn_beside_the_wire_model(small, tmp_path, monkeypatch):

@@ -10,7 +10,7 @@ from typing import TextIO
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene
-from coilspring.curves import Comparison, answered
+from coilspring.curves import Comparison, Curve
 from coilspring.words import counted
 from validation.study.files import writing
 from validation.study.output import largest_stress
@@ -164,7 +164,8 @@ def deviation(found: Comparison, wire: EquilibriumPath) -> list[str]:
     worst = max(names, key=found.component_max.__getitem__)
     # of a component that hardly moves the share is large though nothing is wrong
     units = {"ux": "mm", "uy": "N" if prescribed else "mm", "rotz": "rad"}
-    peaks = {name: f"{np.abs(curve).max():.3g} {units[name]}" for name, curve in answered(wire).items()}
+    answers = Curve.of(wire).by_name.items()
+    peaks = {name: f"{np.abs(values).max():.3g} {units[name]}" for name, values in answers}
     return [
         f"difference over {counted(found.steps, 'common step')}: "
         f"curve {100 * found.curve_max:.3g} % at most ({names[worst]}), {100 * found.curve_rms:.3g} % rms; "

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from coilspring import Scene
-from coilspring.curves import answered, compare_paths
+from coilspring.curves import Curve, compare_paths
 from equivbeam.laws.userlaw import UserLaw
 from validation.study.cases import CASES, PathStore, solve_beam, solve_wire
 from validation.study.partialsolve import partial_path
@@ -19,7 +19,7 @@ from validation.study.timing import interleaved, median_of
 from validation.verification.ablation import CONVERGED
 from validation.verification.randompage import CLASSES, classified
 from validation.verification.randomscenes import KINDS, population
-from validation.verification.randomsprings import COMPONENTS, LAWS, Answers, closed, law_row, reference
+from validation.verification.randomsprings import COMPONENTS, LAWS, closed, law_row, reference
 
 LAW = "law"  # the user's, among the names of laws
 BAD = 5.0  # per cent of the tip vector, from which on a law counts as broken
@@ -103,10 +103,10 @@ def wire_curves(seed: int, kind: str, each: int) -> list[Row]:
         scene, wire = drawn.scene, reference(drawn.scene)
         row: Row = {"seed": seed, "kind": kind, "number": drawn.number, "shape": drawn.shape}
         row |= {"contact": scene.contact.enabled, "closed": closed(wire)}
-        row |= {"wire": wire.outcome, "times": wire.times.tolist()}
-        row["answers"] = {name: values.tolist() for name, values in answered(wire).items()}
+        curve = Curve.of(wire)
+        row |= {"wire": wire.outcome, "times": curve.times.tolist(), "answers": curve.answers.tolist()}
         for law in LAWS:
-            row |= law_row(law, law, scene, Answers.of(wire))
+            row |= law_row(law, law, scene, curve)
         found.append(row)
     return found
 
@@ -116,8 +116,7 @@ def law_errors(law: UserLaw, rows: list[Row], each: int) -> list[Row]:
     found = []
     springs = population(rows[0]["seed"], each, (rows[0]["kind"],)) if rows else ()
     for row, drawn in zip(rows, springs, strict=True):
-        answers = {name: np.array(values) for name, values in row["answers"].items()}
-        wire = Answers(drawn.scene, np.array(row["times"]), answers)
+        wire = Curve(np.array(row["times"]), np.reshape(row["answers"], (-1, len(COMPONENTS))))
         plain = {name: value for name, value in row.items() if name not in ("times", "answers")}
         found.append(plain | law_row(LAW, law, drawn.scene, wire))
     return found

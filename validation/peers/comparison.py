@@ -8,7 +8,7 @@ import numpy as np
 
 import wirefe
 from coilspring import EquilibriumPath, InputError, Scene
-from coilspring.curves import answered, peaks, stacked
+from coilspring.curves import Curve, compare_curves
 from validation.peers import calculix
 from validation.peers.layout import NODES_PER_TURN, PeerCurve, layout, refuse
 from validation.study.partialsolve import partial_path
@@ -38,11 +38,7 @@ class PeerComparison:
     @property
     def difference(self) -> float:
         """Largest over steps and answered components, over the component's peak in the wire model."""
-        if self.rows == 0:
-            return float("nan")
-        both = (answered(self.wire), self.peer.answers)
-        ours, theirs = (stacked(answers)[: self.rows] for answers in both)
-        return float((np.abs(theirs - ours) / peaks(ours)).max())
+        return compare_curves(self.peer.curve, Curve.of(self.wire)).curve_max
 
     @property
     def early(self) -> list[str]:
@@ -58,7 +54,7 @@ class PeerComparison:
     def _named(self) -> list[tuple[str, dict[str, np.ndarray]]]:
         """Codes, and what they answer by names for a reader: UY that is prescribed is answered by a force."""
         uy = "force" if self.scene.load.displacement else "uy"
-        both = (("wirefe", answered(self.wire)), (self.peer.code, self.peer.answers))
+        both = (("wirefe", Curve.of(self.wire).by_name), (self.peer.code, self.peer.curve.by_name))
         return [(code, {uy if name == "uy" else name: found[name] for name in found}) for code, found in both]
 
     def csv(self) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coilspring import InputError, Scene
-from coilspring.curves import COMPONENTS
+from coilspring.curves import Curve
 from coilspring.scene.load import stage_ends
 
 PAIRS_PER_TURN = 4
@@ -25,10 +25,9 @@ class PeerCurve:
     reaction: np.ndarray | None = None  # (steps,) axial force that holds the top, N, where UY is prescribed
 
     @property
-    def answers(self) -> dict[str, np.ndarray]:
-        """What it answers to its load by component, as `coilspring.curves.answered` of a path."""
-        found = dict(zip(COMPONENTS, self.tips.T, strict=True))
-        return found if self.reaction is None else found | {"uy": self.reaction}
+    def curve(self) -> Curve:
+        """What it answers to its load."""
+        return Curve.answered(self.times, self.tips, self.reaction)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from coilspring import EquilibriumPath, Material, Scene
-from coilspring.curves import Comparison, compare_paths, peaks
+from coilspring.curves import Comparison, compare_paths, over_peak
 from coilspring.solver.equilibrium.newton import DECREMENT
 from validation.reproduce.phases import MANY_PAIRS, phase_facts
 from validation.study.cases import CASES, FINE_MESH, PAPER_MESH, Case, PathStore, case
@@ -87,7 +87,7 @@ def converged_error(store: PathStore, scene: Scene) -> float:
     """Largest difference of the beam's tips from the wire's on an infinitely fine mesh, over the peak."""
     coarse, fine = store.wire(scene).tips, store.wire(scene, **FINE_MESH).tips
     tips = coarse + RICHARDSON * (fine - coarse)
-    return float((np.abs(store.beam(scene).tips - tips) / peaks(tips)).max())
+    return float(np.nanmax(np.abs(over_peak(store.beam(scene).tips, tips))))
 
 
 def _settings(store: PathStore) -> dict[str, object]:

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from coilspring import EquilibriumPath
-from coilspring.curves import peaks
+from coilspring.curves import over_peak
 from validation.reproduce.curves import CONTACT, TANGENTS, TIPS
 from validation.study import style
 from validation.study.plots import both, discs
@@ -125,7 +125,7 @@ def _curves(data: pd.DataFrame, tip: str, tag: str) -> tuple[np.ndarray, np.ndar
 
 def _share(beam: np.ndarray, wire: np.ndarray) -> np.ndarray:
     """Beam minus wire model in magnitude over the wire model's peak, %: positive where the beam is softer."""
-    return 100.0 * (np.abs(beam) - np.abs(wire)) / peaks(wire[:, None])
+    return 100.0 * over_peak(np.abs(beam)[:, None], np.abs(wire)[:, None])[:, 0]
 
 
 def _name(axes: Axes, tag: str, x: np.ndarray, y: np.ndarray, upper: bool) -> None:

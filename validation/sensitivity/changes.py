@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from coilspring import InputError, Scene
-from coilspring.curves import COMPONENTS, peaks
+from coilspring.curves import COMPONENTS, over_peak
 from validation.sensitivity.inputs import BEAM, MODELS, WIRE, OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import CASES, PathStore
@@ -159,10 +159,9 @@ def change(base: TipCurve, curve: TipCurve) -> dict[str, Any]:
 
 def farther(tips: np.ndarray, base: np.ndarray, counted: Sequence[bool] = (True, True, True)) -> np.ndarray:
     """How much farther the top moves than in the base, % of its peak, (steps, 3); nan where it is fixed."""
-    steps, peak = min(len(tips), len(base)), peaks(base)
+    common = slice(min(len(tips), len(base)))
     direction = np.sign(base[np.abs(base).argmax(axis=0), range(len(COMPONENTS))])
-    scale = np.where(np.isfinite(peak) & counted, peak, np.nan)
-    return 100.0 * direction * (tips[:steps] - base[:steps]) / scale
+    return 100.0 * np.where(counted, direction, np.nan) * over_peak(tips[common], base, common)
 
 
 def largest_deviation(curve: TipCurve, base: TipCurve) -> float:

@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene
-from coilspring.curves import answered, stacked
+from coilspring.curves import Curve
 from coilspring.path import Shape
 from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
@@ -43,10 +43,9 @@ class TipCurve:
     @classmethod
     def of(cls, path: EquilibriumPath) -> Self:
         """Tip curve of a path."""
-        tips = stacked(answered(path))
         moved = np.abs(path.tips).max(axis=0, initial=0.0) * (1.0, 1.0, 0.5 * path.scene.spring.active_height)
         counted = tuple((moved > SLIGHT * moved.max()).tolist())
-        return cls(path.times, tips, path.outcome, path.critical_time, counted)
+        return cls(path.times, Curve.of(path).answers, path.outcome, path.critical_time, counted)
 
 
 def raised(scene: Scene, model: str, height: float) -> TipCurve:

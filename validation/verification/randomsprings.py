@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ import pandas as pd
 import equivbeam
 import wirefe
 from coilspring import EquilibriumPath, Scene
-from coilspring.curves import COMPONENTS, answered, stacked
+from coilspring.curves import COMPONENTS, Curve, over_peak
 from coilspring.scene.sizing import middle_diameter
 from equivbeam.laws.userlaw import UserLaw
 from validation.study.partialsolve import partial_path
@@ -46,10 +46,10 @@ def row(drawn: Drawn) -> dict[str, Any]:
         **{"index": diameter / spring.wire_diameter, "coils": spring.active_coils},
         **{"slenderness": spring.active_height / diameter, "phase": math.degrees(spring.start_phase)},
         **{"contact": scene.contact.enabled, "closed": closed(wire), "wire": wire.outcome},
-        "reference": curve_errors(Answers.of(other), Answers.of(wire))["vector"],
+        "reference": curve_errors(Curve.of(other), Curve.of(wire), 0.5 * diameter)["vector"],
     }
     for law in LAWS:
-        found |= law_row(law, law, scene, Answers.of(wire))
+        found |= law_row(law, law, scene, Curve.of(wire))
     return found
 
 
@@ -68,41 +68,28 @@ def closed(wire: EquilibriumPath) -> int:
     return max((len(np.unique(quarters[gaps < 0.0])) for gaps in wire.gaps), default=0)
 
 
-class Answers(NamedTuple):
-    """What a scene's path answers to its load: see `coilspring.curves.answered`."""
-
-    scene: Scene
-    times: np.ndarray
-    answers: Mapping[str, np.ndarray]
-
-    @classmethod
-    def of(cls, path: EquilibriumPath) -> Answers:
-        """What a path answers."""
-        return cls(path.scene, path.times, answered(path))
-
-
-def law_row(name: str, law: str | UserLaw, scene: Scene, wire: Answers) -> dict[str, Any]:
+def law_row(name: str, law: str | UserLaw, scene: Scene, wire: Curve) -> dict[str, Any]:
     """Outcome and errors of a law on a spring, by columns of the law's name."""
     path = partial_path(equivbeam.solve, scene, law=law)
-    found = curve_errors(Answers.of(path), wire)
+    found = curve_errors(Curve.of(path), wire, 0.5 * middle_diameter(scene.spring))
     return {name: path.outcome} | {f"{name}_{key}": value for key, value in found.items()}
 
 
-def curve_errors(path: Answers, wire: Answers) -> dict[str, float]:
-    """Largest errors as far as both paths go, over the wire model's peak there, per cent.
+def curve_errors(curve: Curve, wire: Curve, radius: float) -> dict[str, float]:
+    """Largest errors as far as both curves go, over the wire model's peak there, per cent.
 
     ``vector`` is of the displacement (UX, UY), or of the axial force where UY is prescribed; the others of a
-    component alone, and not a number where the wire model hardly moves it. ``steps`` both have.
+    component alone, and not a number where the wire model hardly moves it, ROTZ times the mean coil radius.
+    ``steps`` both have.
     """
-    common = min(len(path.times), len(wire.times))
+    common = min(len(curve.times), len(wire.times))
     found = dict.fromkeys(("vector", *COMPONENTS), math.nan) | {"steps": common}
     if common == 0:
         return found
-    mine, theirs = (stacked(each.answers)[:common] for each in (path, wire))
-    off, peaks = np.abs(mine - theirs), np.abs(theirs).max(axis=0)
-    sizes = peaks * (1.0, 1.0, 0.5 * middle_diameter(wire.scene.spring))
+    mine, theirs = (each.answers[:common] for each in (curve, wire))
+    off, sizes = np.abs(over_peak(mine, theirs)).max(axis=0), np.abs(theirs).max(axis=0) * (1.0, 1.0, radius)
     for place, name in enumerate(COMPONENTS):
         if sizes[place] > NEGLIGIBLE * sizes.max():
-            found[name] = 100.0 * float(off[:, place].max() / peaks[place])
-    largest, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (off, theirs))
+            found[name] = 100.0 * float(off[place])
+    largest, size = (np.linalg.norm(values[:, :2], axis=1).max() for values in (mine - theirs, theirs))
     return found | {"vector": 100.0 * float(largest / size)}

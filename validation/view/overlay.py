@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from coilspring import EquilibriumPath
-from coilspring.curves import COMPONENTS, answered
+from coilspring.curves import COMPONENTS, Curve, over_peak
 from validation.study import style
 from validation.study.plots import both, discs, png, to_scale
 
@@ -66,8 +66,7 @@ def _axial(above: Axes, below: Axes, beam: EquilibriumPath, wire: EquilibriumPat
     above.set_ylabel("force −FY (N)")
     what, values = ("force", forces) if beam.scene.load.displacement else ("deflection", deflections)
     _, mine, theirs = np.intersect1d(beam.times, wire.times, return_indices=True)
-    peak = np.abs(values[1]).max(initial=np.finfo(float).tiny)
-    difference = 100.0 * (values[0][mine] - values[1][theirs]) / peak
+    difference = 100.0 * over_peak(values[0][mine, None], values[1][:, None], theirs)
     below.plot(np.append(0.0, deflections[1][theirs]), np.append(0.0, difference), **DIFFERENCE)
     below.axhline(0.0, color="black", linewidth=0.5)
     below.set(xlabel="deflection −UY (mm)", ylabel=f"beam − wire model,\n{what} (% of peak)")
@@ -79,7 +78,7 @@ def _curves(plots: list[Axes], names: list[str], beam: EquilibriumPath, wire: Eq
     by_time = load.stages or load.displacement
     along = [path.times if by_time else np.hypot(*path.loads.T) for path in paths]
     for axes, name in zip(plots, names, strict=True):
-        both(axes, *((x, answered(path)[name]) for x, path in zip(along, paths, strict=True)))
+        both(axes, *((x, Curve.of(path).by_name[name]) for x, path in zip(along, paths, strict=True)))
         driven = name == "uy" and load.displacement
         axes.set(ylabel="force FY (N)" if driven else LABELS[name], xlim=(0.0, None))
     plots[-1].set_xlabel("time" if by_time else "load |F| (N)")

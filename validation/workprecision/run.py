@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
-from coilspring.curves import compare_curves, compare_paths, peaks
+from coilspring.curves import Curve, compare_curves, compare_paths, over_peak
 from coilspring.errors import require_names
 from validation.peers.comparison import opensees
 from validation.study.cases import make_ready, solve_beam, solve_wire
@@ -163,7 +163,7 @@ def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict
     if exact := EXACT_ROD.get(scene.name):
         places = [int(np.flatnonzero(np.isclose(path.times, time))[0]) for time in exact]
         tips = np.array(list(exact.values()))
-        far = float((np.abs(path.tips[places] - tips) / peaks(tips)).max())
+        far = float(np.nanmax(np.abs(over_peak(path.tips[places], tips))))
         rows.append(row("exact rod", scene, finest, None, last_time=1.0, curve_max=far))
     return path, rows
 
@@ -187,7 +187,7 @@ def _peer_rows(
             beside = partial_path(solve_wire, scene).solve_seconds
             run = peer.run(scene, steps, peer.tolerance(scene), elements_per_turn=mesh)
             ratios.append(run.seconds / beside)
-        error = compare_curves(run.times, run.answers, reference)
+        error = compare_curves(run.curve, Curve.of(reference))
         whole = len(run.tips) == scene.with_steps(steps).load.rows
         known = {"outcome": "completed" if whole else "not_converged", "iterations": run.iterations}
         rows.append(row("opensees", scene, setting, error, **known, **_times(np.array(ratios), paper)))
