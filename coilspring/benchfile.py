@@ -8,8 +8,9 @@ import re
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -49,67 +50,75 @@ EXAMPLE = (
 )
 
 
-def table_of(source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path) -> dict[str, np.ndarray]:
-    """Columns by name: ``force`` and ``deflection`` in N and mm, or those of ``path.csv``; no others.
+@dataclass(frozen=True)
+class CurveTable:
+    """A load curve by columns."""
+
+    columns: dict[str, np.ndarray]  # force, N, and deflection, mm, or those of path.csv; no others
+    places: list[str]  # what messages call the rows: the lines of a file
+    file: str = ""  # that it was read from
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that are not finite, or that no load of a scene has."""
+        for name, values in self.columns.items():
+            most, unit = RANGES.get(name, (math.inf, ""))
+            if (beyond := np.abs(values) > most).any():
+                i = int(np.argmax(beyond))
+                raise InputError(
+                    f"{self.places[i]} must have a {name} in [{-most:g}, {most:g}] {unit}, "
+                    f"got {values[i]:g} {unit}"
+                )
+            if not np.isfinite(values).all():
+                raise InputError(f"curve must hold finite numbers, got others in column {name}")
+
+
+Source: TypeAlias = "Mapping[str, np.ndarray] | pd.DataFrame | str | Path | CurveTable"
+
+
+def read_table(source: Source) -> CurveTable:
+    """The curve of a file or of columns; one that was read is returned as it is.
 
     Raises
     ------
     InputError : an unreadable file, an unknown unit, or what is no number, in one sentence.
     """
-    return columns_of(source)[0]
+    if isinstance(source, CurveTable):
+        return source
+    if not isinstance(source, str | Path):
+        return CurveTable(*_given(source))
+    text = _text(Path(source))
+    with named(str(source)):
+        return CurveTable(*_parsed(text), str(source))
 
 
-def columns_of(
-    source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path,
-) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Columns by name, and what messages call their rows: the lines of a file."""
-    if isinstance(source, str | Path):
-        text = _text(Path(source))
-        with named(source):
-            found, places = _parsed(text)
-    else:
-        heads = _heads([str(name) for name in source])
-        try:
-            with np.errstate(over="ignore"):  # such numbers are refused below
-                found = {
-                    name: scale * np.asarray(source[key], dtype=float)
-                    for key, (name, scale) in zip(source, heads, strict=True)
-                    if name
-                }
-        except (TypeError, ValueError):
-            raise InputError("curve must hold numbers, got texts") from None
-        shapes = {values.shape for values in found.values()}
-        if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
-            raise InputError(
-                f"curve must have columns of numbers, all of one length, got shapes {sorted(shapes)}"
-            )
-        rows = max((values.size for values in found.values()), default=0)
-        places = [f"row {i}" for i in range(1, rows + 1)]
-    with named(source):
-        _refuse_beyond(found, places)
-    return found, places
+def _given(source: Mapping[str, np.ndarray] | pd.DataFrame) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Columns of a table, and what messages call its rows."""
+    heads = _heads([str(name) for name in source])
+    try:
+        with np.errstate(over="ignore"):  # such numbers are refused later
+            found = {
+                name: scale * np.asarray(source[key], dtype=float)
+                for key, (name, scale) in zip(source, heads, strict=True)
+                if name
+            }
+    except (TypeError, ValueError):
+        raise InputError("curve must hold numbers, got texts") from None
+    shapes = {values.shape for values in found.values()}
+    if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
+        raise InputError(
+            f"curve must have columns of numbers, all of one length, got shapes {sorted(shapes)}"
+        )
+    rows = max((values.size for values in found.values()), default=0)
+    return found, [f"row {i}" for i in range(1, rows + 1)]
 
 
 @contextmanager
-def named(source: object) -> Iterator[None]:
+def named(file: str) -> Iterator[None]:
     """Put a file's name before what is wrong with it."""
     try:
         yield
     except InputError as error:
-        raise InputError(f"{source}: {error}" if isinstance(source, str | Path) else str(error)) from None
-
-
-def _refuse_beyond(columns: Mapping[str, np.ndarray], places: list[str]) -> None:
-    """Refuse numbers that are not finite, or that no load of a scene has."""
-    for name, values in columns.items():
-        most, unit = RANGES.get(name, (math.inf, ""))
-        if (beyond := np.abs(values) > most).any():
-            i = int(np.argmax(beyond))
-            raise InputError(
-                f"{places[i]} must have a {name} in [{-most:g}, {most:g}] {unit}, got {values[i]:g} {unit}"
-            )
-        if not np.isfinite(values).all():
-            raise InputError(f"curve must hold finite numbers, got others in column {name}")
+        raise InputError(f"{file}: {error}" if file else str(error)) from None
 
 
 def _text(file: Path) -> str:
@@ -217,7 +226,7 @@ def _unit_row(cells: list[str], heads: list[tuple[str, float]]) -> list[tuple[st
 
 def _number(line: int, cells: list[str], column: int, separator: str, columns: int) -> float:
     """A number of a line; a decimal comma is one where columns are separated by something else."""
-    if len(cells) > columns and separator == ",":
+    if separator == "," and any(cell.strip() for cell in cells[columns:]):  # a comma at the end is none
         raise InputError(
             f"line {line} has {len(cells)} numbers below {columns} names: with decimal commas the columns "
             "must be separated by semicolons or tabs"

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coilspring.benchfile import columns_of, named
+from coilspring.benchfile import CurveTable, Source, named, read_table
 from coilspring.errors import InputError
 from coilspring.scene import Scene
 from coilspring.scene.sizing import sizes
 from coilspring.words import counted
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 MOST_STEPS = 1000  # of a path at the points of a curve, or with interpolation between them
 TOE = 5e-3  # of the largest force: below it a bench may not touch the spring yet
@@ -52,9 +46,7 @@ class Measured:
         return f"{points} before the spring is loaded left out" if self.left_out else ""
 
 
-def measured(
-    source: Mapping[str, np.ndarray] | pd.DataFrame | str | Path, scene: Scene, from_rest: bool = True
-) -> Measured:
+def measured(source: Source, scene: Scene, from_rest: bool = True) -> Measured:
     """Force and deflection of a table or a CSV file, in the direction of a scene's load.
 
     Signs are those of the load, whatever the file's: both columns count up where the force is largest. Where
@@ -64,10 +56,9 @@ def measured(
     ------
     InputError : what is no measured curve, or a scene whose load has several directions, in one sentence.
     """
-    columns, places = columns_of(source)
-    direction = scene.direction
-    with named(source):
-        found = _along_load(columns, places, direction)
+    table, direction = read_table(source), scene.direction
+    with named(table.file):
+        found = _along_load(table, direction)
         if not from_rest:
             return found
         _refuse_impossible(found.deflection, scene)
@@ -81,11 +72,9 @@ def equal_steps(times: np.ndarray, otherwise: int = MOST_STEPS) -> int:
     return steps if steps <= MOST_STEPS and exact else otherwise
 
 
-def _along_load(
-    columns: Mapping[str, np.ndarray], places: list[str], direction: tuple[float, float]
-) -> Measured:
-    """Force and deflection of columns, along the direction of a scene's load; `places` names the rows."""
-    x, y = direction
+def _along_load(table: CurveTable, direction: tuple[float, float]) -> Measured:
+    """Force and deflection of a curve, along the direction of a scene's load."""
+    columns, (x, y) = table.columns, direction
     if "force" in columns:
         force, deflection = columns["force"], columns["deflection"]
     else:
@@ -108,8 +97,8 @@ def _along_load(
     pressed, moved = force[loaded], deflection[loaded]
     if not np.allclose(pressed, pressed[0]) and (slope := np.polyfit(pressed, moved, 1)[0]) <= 0.0:
         raise InputError(f"deflection must grow with the force, got {slope:.3g} mm/N on the whole: {REST}")
-    _refuse_thousandths(("force", "N", force), ("deflection", "mm", deflection), places)
-    _refuse_thousandths(("deflection", "mm", deflection), ("force", "N", force), places)
+    _refuse_thousandths(("force", "N", force), ("deflection", "mm", deflection), table.places)
+    _refuse_thousandths(("deflection", "mm", deflection), ("force", "N", force), table.places)
     return Measured(pressed, moved, int(np.count_nonzero(~loaded)))
 
 

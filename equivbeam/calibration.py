@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from coilspring.benchfile import Source
 from coilspring.errors import InputError, require_names
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
@@ -18,9 +18,6 @@ from equivbeam.curvefit import OFFSET, CurveFit
 from equivbeam.fiterrors import constant_part, undetermined
 from equivbeam.loadcurve import read_curve
 from equivbeam.sensitivity import FACTORS, NAMES, unit
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 HELPS = 0.5  # share of the square of the error left that an offset takes away, to be named
 POOR = 0.03  # rms error, over the peaks, above which a model does not fit
@@ -131,7 +128,7 @@ class Calibration:
 
 def calibrate(
     scene: Scene,
-    curve: EquilibriumPath | pd.DataFrame | str | Path,
+    curve: EquilibriumPath | Source,
     parameters: Sequence[str],
     **options: Any,
 ) -> Calibration:

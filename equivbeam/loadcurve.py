@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from coilspring.benchfile import table_of
+from coilspring.benchfile import Source, read_table
 from coilspring.curves import COMPONENTS
 from coilspring.errors import InputError
 from coilspring.measured import equal_steps, measured
@@ -17,9 +16,6 @@ from coilspring.path import EquilibriumPath
 from coilspring.scene import Load, Scene
 from coilspring.scene.load import given_loads
 from coilspring.scene.sizing import sizes
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 FINE = 200  # steps between which a path is interpolated where a curve has no equal steps
 SAME_LOAD = 3e-3  # of the largest load, by which those of a path, rounded, may differ from the scene's
@@ -64,59 +60,52 @@ class LoadCurve(NamedTuple):
         return float(np.floor(force / unit) * unit)
 
 
-def read_curve(
-    curve: EquilibriumPath | pd.DataFrame | str | Path, scene: Scene, from_rest: bool = True
-) -> LoadCurve:
+def read_curve(curve: EquilibriumPath | Source, scene: Scene, from_rest: bool = True) -> LoadCurve:
     """The curve of a path, a table or a CSV file, of a spring loaded as in a scene; see `measured`."""
     # rates and stresses of a path are not asked for
-    source = curve.curve if isinstance(curve, EquilibriumPath) else curve
-    table = table_of(source)
-    if of_force(table, scene):
-        found = measured(source, scene, from_rest)
+    table = read_table(curve.curve if isinstance(curve, EquilibriumPath) else curve)
+    by_force = of_force(table.columns, scene)
+    if by_force:
+        found = measured(table, scene, from_rest)
         peak, (x, y) = float(found.force.max()), scene.direction
         loaded = replace(scene, load=Load((x * peak, y * peak)))
         times, columns, directions = found.force / peak, [found.deflection], np.array([[x, y, 0.0]])
     else:
-        names = _moving(table)
-        loaded, times, columns = scene, table["time"], [table[name] for name in names]
+        names = _moving(table.columns)
+        loaded, times, columns = scene, table.columns["time"], [table.columns[name] for name in names]
         directions = np.eye(3)[[COMPONENTS.index(name) for name in names]]
     values = np.stack(columns, axis=1)
     peaks = np.abs(values).max(axis=0)
     return LoadCurve(
-        loaded.with_steps(equal_steps(times, FINE)),
-        directions,
-        times,
-        peaks,
-        values / peaks,
-        of_force(table, scene),
+        loaded.with_steps(equal_steps(times, FINE)), directions, times, peaks, values / peaks, by_force
     )
 
 
-def of_force(table: Mapping[str, np.ndarray], scene: Scene) -> bool:
+def of_force(columns: Mapping[str, np.ndarray], scene: Scene) -> bool:
     """Whether a curve is of force and deflection, as a path under another load than the scene's is, too; else
     it is of displacements at times of the scene's load."""
-    if "force" in table or scene.load.displacement:
+    if "force" in columns or scene.load.displacement:
         return True
-    given = [(i, name) for i, name in enumerate(("load_x", "load_y")) if name in table]
-    if not given or "time" not in table:
+    given = [(i, name) for i, name in enumerate(("load_x", "load_y")) if name in columns]
+    if not given or "time" not in columns:
         return False
-    loads = given_loads(scene.load, table["time"])
-    off = [np.abs(loads[:, i] - table[name]).max(initial=0.0) for i, name in given]
+    loads = given_loads(scene.load, columns["time"])
+    off = [np.abs(loads[:, i] - columns[name]).max(initial=0.0) for i, name in given]
     return bool(max(off) > SAME_LOAD * np.abs(loads).max(initial=0.0))
 
 
-def _moving(table: dict[str, np.ndarray]) -> list[str]:
+def _moving(columns: dict[str, np.ndarray]) -> list[str]:
     """Columns of displacements that are not zero throughout, at times that can be."""
-    names = [name for name in COMPONENTS if name in table]
-    if "time" not in table or not names:
+    names = [name for name in COMPONENTS if name in columns]
+    if "time" not in columns or not names:
         raise InputError(
             "curve must have columns force and deflection, or time and one or more of "
-            f"{', '.join(COMPONENTS)}, got {', '.join(table) or 'none of them'}"
+            f"{', '.join(COMPONENTS)}, got {', '.join(columns) or 'none of them'}"
         )
-    time = table["time"]
+    time = columns["time"]
     if not time.size or time.min() <= 0.0 or time.max() > 1.0:
         raise InputError("curve must have times above 0 and up to 1")
-    moving = [name for name in names if np.abs(table[name]).max() > 0.0]
+    moving = [name for name in names if np.abs(columns[name]).max() > 0.0]
     if not moving:
         raise InputError("curve must have a column that is not zero throughout")
     return moving

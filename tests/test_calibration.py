@@ -22,12 +22,13 @@ from coilspring import (
     Scene,
     Spring,
     Supports,
+    benchfile,
     load_scene,
     scene_text,
     spring_a,
     spring_b,
 )
-from coilspring.benchfile import table_of
+from coilspring.benchfile import read_table
 from coilspring.measured import Measured, measured
 from coilspring.path import secants
 from coilspring.scene.scene import load_directions
@@ -95,7 +96,7 @@ def test_a_curve_of_a_spreadsheet_in_utf_16_is_read(bench, tmp_path):
     curve = write(tmp_path / "bench.csv", bench)
     wide = tmp_path / "wide.csv"
     wide.write_text(curve.read_text(encoding="latin-1"), encoding="utf-16")
-    one, other = table_of(curve), table_of(wide)
+    one, other = read_table(curve).columns, read_table(wide).columns
     assert one.keys() == other.keys()
     assert all(np.array_equal(one[name], other[name]) for name in one)
 
@@ -223,7 +224,7 @@ def test_other_columns_may_hold_anything(tmp_path):
     curve.write_text("Time;Kraft [N];Weg [mm]\n12:30.5;1,5;0,5\n12:31.0;2,5;1,0\n")
     np.testing.assert_allclose(measured(curve, GUIDED).force, [1.5, 2.5])
     curve.write_text("time,load,load_y,uy\n0.5,x,-1,-2\n1,x,-2,-3\n")
-    assert table_of(curve).keys() == {"time", "load_y", "uy"}
+    assert read_table(curve).columns.keys() == {"time", "load_y", "uy"}
     with pytest.raises(InputError, match="columns force and deflection, or load_y, uy; load_y is missing"):
         measured({"force": [1.0, 2.0]}, GUIDED)
     with pytest.raises(InputError, match=r"^row 2 must have a force in \[.*\] N, got 4e\+300 N$"):
@@ -329,10 +330,10 @@ def test_bad_requests(tmp_path, capsys):
         assert main([*call, "--out", str(tmp_path / "x")]) == 2
         assert words in capsys.readouterr().err
     with pytest.raises(InputError, match=r"^parameters may hold axial with the law haringx alone"):
-        equivbeam.calibrate(spring_b(), table_of(curve), ["G", "axial"], law="helix")
+        equivbeam.calibrate(spring_b(), read_table(curve), ["G", "axial"], law="helix")
     stages = replace(GUIDED, load=Load(stages=((0.0, -4.0), (3.0, -4.0))), supports=Supports())
     with pytest.raises(InputError, match=r"in one direction where .*, got \[3.0, -4.0\] and \[0.0, -4.0\]$"):
-        measured(table_of(curve), stages)
+        measured(read_table(curve), stages)
     with pytest.raises(InputError, match=r"^load.stages"):
         measured(curve, stages)  # the scene's mistake, not the file's
     equivbeam.solve(stages, steps=4).table.to_csv(tmp_path / "path.csv")  # which is fitted, but not drawn
@@ -902,9 +903,10 @@ def test_a_path_is_read_at_its_own_load():
         ("Time;Force [kN];Travel [mm]\n0.1;0.05;6.0\n", [50.0]),
         ("Force [kN];Travel\n;mm\n0.05;6.0\n", [50.0]),
         ("force,deflection\n40,4\n80,9.776\n79.5,9.8\n0.1,9.79\n", [40.0, 80.0, 79.5]),
+        ("force,deflection\n40,4,\n80,9.776, ,\n", [40.0, 80.0]),
         ("Force [N];Travel [um]\n25;244\n75;732\n100;977\n125;1,221\n", None),
     ],
-    ids=["empty", "time", "units", "let go", "thousands"],
+    ids=["empty", "time", "units", "let go", "commas at the end", "thousands"],
 )
 def test_odd_rows_of_a_bench(text, force, tmp_path):
     """A row without numbers is none of units; as a bench lets go it may record more deflection."""
@@ -914,6 +916,23 @@ def test_odd_rows_of_a_bench(text, force, tmp_path):
             measured(tmp_path / "bench.csv", GUIDED)
     else:
         np.testing.assert_allclose(measured(tmp_path / "bench.csv", GUIDED).force, force)
+
+
+def test_a_file_is_read_once(tmp_path, monkeypatch, capsys):
+    """By all of ``calibrate``; what is found wrong later still has the file's name."""
+    curve, scene, read = tmp_path / "bench.csv", tmp_path / "scene.toml", []
+    curve.write_text("force,deflection\n40,4\n80,9.776\n")
+    text = benchfile._text
+    monkeypatch.setattr(benchfile, "_text", lambda file: read.append(file) or text(file))
+    scene.write_text(scene_text(GUIDED))
+    run = ["calibrate", str(scene), str(curve), "--fit", "G", "--out", str(tmp_path / "out")]
+    assert main(run) == 0
+    assert read == [curve]
+    curve.write_text("force,deflection\n80,4\n40,9.776\n")
+    table = read_table(curve)
+    assert read_table(table) is table
+    with pytest.raises(InputError, match=r"^\S+bench\.csv: deflection must grow with the force"):
+        measured(table, GUIDED)
 
 
 @pytest.mark.parametrize("column", [5.0, [[1.0, 2.0]], [1.0, 2.0, 3.0]])

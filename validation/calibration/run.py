@@ -10,7 +10,7 @@ import pandas as pd
 
 import equivbeam
 from coilspring import InputError, Scene, scene_text
-from coilspring.benchfile import table_of
+from coilspring.benchfile import read_table
 from coilspring.measured import Measured, measured
 from coilspring.words import plain
 from equivbeam.loadcurve import of_force
@@ -29,7 +29,8 @@ def calibrate(
 
     `file`: see `coilspring.benchfile`; `names`: see `equivbeam.calibrate`; `options`: of `equivbeam.solve`.
     """
-    found = equivbeam.calibrate(scene, file, names, **options)
+    table = read_table(file)
+    found = equivbeam.calibrate(scene, table, names, **options)
     files = {
         "calibration.json": json_bytes(_summary(scene, file, found)),
         "calibrated.toml": _text(found.scene, names).encode(),
@@ -37,12 +38,12 @@ def calibrate(
     lines = [*str(found).splitlines(), *_remarks(scene, found)]
     offset = dict(zip(found.names, found.values, strict=True)).get("offset", 0.0)
     try:
-        curve = measured(file, scene, "offset" not in names).from_rest(offset, scene)
+        curve = measured(table, scene, "offset" not in names).from_rest(offset, scene)
     except InputError as error:  # a curve that can be fitted need not have force over deflection
         return files, [*lines, f"calibration.png is not drawn: {error}"]
     files["calibration.png"] = _figure(scene, curve, found, options)
     lines += [f"warning: {warning}" for warning in curve.warnings]
-    if of_force(table_of(file), scene):
+    if of_force(table.columns, scene):
         points = pd.DataFrame({"force": curve.force, "deflection": curve.deflection})
         files["measured.csv"] = to_csv(points, digits=9)
         lines += [curve.passed_over] * bool(curve.left_out)
