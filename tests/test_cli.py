@@ -26,9 +26,10 @@ import wirefe
 from coilspring import EquilibriumNotFound, Load, spring_a, spring_b
 from coilspring.scene.toml import scene_from_table, scene_text
 from validation.cli import main
-from validation.cli.arguments import LAWS, MODEL_OPTIONS, command_line
+from validation.cli.arguments import MODEL_OPTIONS, command_line
 from validation.study.files import OutputError, claimed, json_bytes, write_files, write_text
 from validation.study.machine import versions
+from validation.study.models import LAWS
 from validation.study.output import path_files, summary
 from validation.view.overlay import picture
 

@@ -170,7 +170,7 @@ def test_what_breaks_first():
 
 
 def test_a_path_that_ends_early_is_marked_beside_its_error_and_time():
-    names = [*page.LAWS, *springs.MESHES]
+    names = [*page.COMPARED, *springs.MESHES]
     values = {"error": 1.0, "ms": 2.0, "outcome": "completed"}
     place = pd.DataFrame({"scene": "spring-b", "series": names} | values)
     place.loc[1, "outcome"] = "limit_point"

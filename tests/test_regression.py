@@ -33,12 +33,13 @@ from coilspring import (
 from equivbeam import Refinements
 from validation.cli import main
 from validation.regress import timeratios
-from validation.regress.baselines import COARSE, MODELS, SHIPPED, Run, find, quantities, read, runs, runs_of
+from validation.regress.baselines import COARSE, SHIPPED, Run, find, quantities, read, runs, runs_of
 from validation.regress.run import Finding, compare, regress
 from validation.regress.run import _scene_moves as scene_moves
 from validation.study import cases
 from validation.study.cases import CASES
 from validation.study.machine import _processor, machine
+from validation.study.models import MODELS
 
 # the models' modules, which their own functions `solve` hide
 BEAM_SOLVE, WIRE_SOLVE = sys.modules["equivbeam.solve"], sys.modules["wirefe.solve"]

@@ -48,21 +48,12 @@ from validation.sensitivity.changes import (
     worst,
 )
 from validation.sensitivity.changes import change as difference
-from validation.sensitivity.inputs import (
-    BEAM,
-    INPUTS,
-    LIKE,
-    MODELS,
-    NOT_GIVEN,
-    READING,
-    VARIED,
-    WIRE,
-    inputs_of,
-)
+from validation.sensitivity.inputs import INPUTS, LIKE, NOT_GIVEN, READING, VARIED, inputs_of
 from validation.sensitivity.run import digest, sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.sensitivity.tornado import draw
 from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
+from validation.study.models import BEAM, MODELS, WIRE
 from wirefe import model as wire
 from wirefe.contact.points import contact_points
 from wirefe.mesh import mesh_wire

@@ -15,6 +15,7 @@ from validation.calibration.difference import along_load, differences
 from validation.calibration.rateaxis import end_axis
 from validation.calibration.slope import WORDS, slope
 from validation.study import style
+from validation.study.models import BEAM, WIRE
 from validation.study.plots import FEW, marked, png
 
 POINTS: style.Look = {"color": "black", "marker": "o", "linestyle": "", "markersize": 2.0, "zorder": 3.0}
@@ -23,9 +24,9 @@ LOOSE: style.Look = {"linestyle": "", "clip_on": False}  # rates of few steps: b
 GIVEN_LINE: style.Look = {"color": style.GREY, "linewidth": 1.4, "linestyle": (0, (1, 1.2))}
 Looks = Mapping[str, tuple[str, style.Look]]  # labels and lines, by model
 Paths = Mapping[str, EquilibriumPath]
-MODELS: Looks = {
-    "equivbeam": (style.BEAM_LABEL, style.BEAM_LINE),
-    "wirefe": (style.WIRE_LABEL, style.WIRE_LINE),
+LOOKS: Looks = {
+    BEAM: (style.BEAM_LABEL, style.BEAM_LINE),
+    WIRE: (style.WIRE_LABEL, style.WIRE_LINE),
 }
 FIT: Looks = {"given": ("scene as given", GIVEN_LINE), "calibrated": ("calibrated", style.BEAM_LINE)}
 DEFLECTION = "deflection along the load (mm)"
@@ -33,7 +34,7 @@ MOST = 80  # measured points that are drawn
 
 
 def load_curves(
-    paths: Paths, curve: Measured | None = None, looks: Looks = MODELS, compared: Paths | None = None
+    paths: Paths, curve: Measured | None = None, looks: Looks = LOOKS, compared: Paths | None = None
 ) -> bytes:
     """A PNG: force and rate against the deflection in the direction of the load, beside a measurement."""
     with matplotlib.rc_context(style.RC):
@@ -41,7 +42,7 @@ def load_curves(
 
 
 def picture(
-    paths: Paths, curve: Measured | None, looks: Looks = MODELS, compared: Paths | None = None
+    paths: Paths, curve: Measured | None, looks: Looks = LOOKS, compared: Paths | None = None
 ) -> Figure:
     """The figure of `load_curves`; with a measurement, the differences from it stand below the forces: those
     of the paths `compared`, where these are others. They are drawn, too, where they are `finer`."""

@@ -12,7 +12,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from validation.campaign.runs import KINDS
-from validation.campaign.scenes import CORNERS, MODELS
+from validation.campaign.scenes import CORNERS, LETTERS
 from validation.campaign.table import DISPLACEMENT, FORCE, NUMBERS, version
 from validation.campaign.verdict import (
     CLASSES,
@@ -130,13 +130,13 @@ def _rates(counts: pd.DataFrame) -> Table:
 def _largest(data: pd.DataFrame, name: str) -> list[str]:
     """Largest value of a number among the explained scenes of each model."""
     explained = data[data["class"].isin(VERIFIED)]
-    found = [pd.to_numeric(explained.loc[explained["id"].str[0] == model, name]).max() for model in MODELS]
+    found = [pd.to_numeric(explained.loc[explained["id"].str[0] == model, name]).max() for model in LETTERS]
     return ["-" if pd.isna(value) else f"{value:.1e}" for value in found]
 
 
 def outcome_figure(data: pd.DataFrame) -> Figure:
     """Share of scenes that end at a critical point, over the numerics and over the physics."""
-    letters = [letter for letter in MODELS if data["id"].str.startswith(letter).any()] or ["b"]
+    letters = [letter for letter in LETTERS if data["id"].str.startswith(letter).any()] or ["b"]
     with matplotlib.rc_context(RC):
         figure = Figure(figsize=(DOUBLE, 0.5 + 2.5 * len(letters)), layout="constrained")
         plots = figure.subplots(len(letters), 2, squeeze=False)

@@ -16,12 +16,13 @@ from scipy.stats import qmc
 
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports
 from coilspring.scene.sizing import solid_height
+from validation.study.models import BEAM, WIRE
 
 BLOCK = 1024  # of the sequence
 CORNERS = ("touching", "solid", "buckling", "telescoping", "tiny", "huge", "hard")
 EVERY = 8  # scenes, one of which is a corner
 HELD: tuple[tuple[str, ...], ...] = ((), (), ("rotz",), ("ux",), ("ux", "rotz"))
-MODELS = {"b": "equivbeam", "w": "wirefe"}
+LETTERS = {"b": BEAM, "w": WIRE}  # of an id, and the model
 DIGITS = {"b": 6, "w": 5}  # of a number in an id, at least
 MOST_DIGITS = 9
 MOST_ELEMENTS = 200  # of a wire
@@ -51,7 +52,7 @@ class Case:
     @property
     def model(self) -> str:
         """Package that solves it."""
-        return MODELS[self.id[0]]
+        return LETTERS[self.id[0]]
 
 
 def case_id(letter: str, number: int) -> str:
@@ -62,7 +63,7 @@ def case_id(letter: str, number: int) -> str:
 def make_case(name: str, seed: int) -> Case:
     """The case of an id (`InputError` where it is none)."""
     letter, digits = name[:1], name[1:]
-    if letter not in MODELS or not digits.isdecimal() or len(digits) > MOST_DIGITS:
+    if letter not in LETTERS or not digits.isdecimal() or len(digits) > MOST_DIGITS:
         raise InputError(
             f"case must be b or w with a number of at most {MOST_DIGITS} digits, as b000123, got {name!r}"
         )

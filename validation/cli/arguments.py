@@ -14,6 +14,7 @@ from coilspring.workers import WORKERS
 from validation.cli.terminal import say
 from validation.reproduce import ARTEFACTS
 from validation.study.machine import versions
+from validation.study.models import LAWS
 from validation.study.output import WIRE_FILES
 from validation.study.texts import number_of
 
@@ -25,7 +26,6 @@ MODEL_OPTIONS = {
 OTHER_OPTIONS = {"equivbeam": (), "wirefe": ("geometry", *WIRE_FILES, "frequencies")}
 MESH = ("element", "elements_per_turn")  # chosen by an accuracy
 CHOSEN = ("law", *MESH)  # and besides the model, where it has one to choose
-LAWS = ("haringx", "helix")  # of a half coil; or a file
 FITTED = (  # by calibrate
     *("axial", "shearing", "bending", "wire_diameter", "mean_diameter", "bottom_diameter", "top_diameter"),
     *("pitch", "E", "G", "penalty", "exponent", "offset"),

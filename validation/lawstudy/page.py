@@ -10,16 +10,17 @@ from matplotlib.figure import Figure
 
 from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.verdict import CLASSES as OUTCOMES
-from validation.lawstudy.springs import BAD, BUILT_IN, LAW, MESHES, breakdown
+from validation.lawstudy.springs import BAD, LAW, MESHES, breakdown
 from validation.study import template
 from validation.study.document import Table
 from validation.study.frames import frame_table
+from validation.study.models import LAWS
 from validation.study.plots import png
 from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RC, RED
 from validation.verification.randompage import CLASSES, cell, errors, number
 from validation.verification.randomsprings import COMPONENTS
 
-LAWS = (*BUILT_IN, LAW)
+COMPARED = (*LAWS, LAW)
 FEWEST = 5  # springs of a kind, below which it is not named
 NEARER = 0.99  # times another law's error: what is nearer to it counts as equal
 GREEN = "#2e8b57"
@@ -42,7 +43,7 @@ def pair(springs: pd.DataFrame, law: str, closing: int) -> str:
 
 def gain(springs: pd.DataFrame) -> float:
     """Share of the difference of both built-in laws that the law takes away, of medians without contact."""
-    haringx, helix, law = (errors(springs, f"{name}_vector", 0).median() for name in LAWS)
+    haringx, helix, law = (errors(springs, f"{name}_vector", 0).median() for name in COMPARED)
     return float((haringx - law) / (haringx - helix))
 
 
@@ -57,7 +58,7 @@ def weakest(springs: pd.DataFrame) -> dict[str, Any]:
     many = table[table["springs"] >= FEWEST]
     table = many if len(many) else table
     worst = table.loc[(table["broken"] / table["springs"]).idxmax()]
-    beside = {law: int(breakdown(springs, law).loc[worst.name, "broken"]) for law in BUILT_IN}
+    beside = {law: int(breakdown(springs, law).loc[worst.name, "broken"]) for law in LAWS}
     counts = {name: int(worst[name]) for name in ("broken", "springs")}
     return {"kind": worst["kind"], "contact": worst["contact"]} | counts | beside
 
@@ -83,7 +84,7 @@ def on_case(row: Any, law: str) -> str:
 
 SAID = (pair, gain, nearer, weakest, differences, breakdown, on_case, cell)
 PAGE = template.template(Path(__file__).with_name("page.md"), SAID)
-PAGE.globals.update(bad=BAD, laws=LAWS, classes=CLASSES, components=COMPONENTS, outcomes=OUTCOMES)
+PAGE.globals.update(bad=BAD, laws=COMPARED, classes=CLASSES, components=COMPONENTS, outcomes=OUTCOMES)
 SUMMARY = ("cases", "springs", "gain", "breaks", "time", "stability", "limits")  # blocks of the page
 
 
@@ -103,7 +104,7 @@ def tables(data: Data) -> dict[str, Table]:
     place, limits = data["place"], data["limits"]
     cells = [f"{row.error:.2g} %, {row.ms:.3g} ms{early(row)}" for row in place.itertuples()]
     texts = place.assign(text=cells)
-    texts = texts.pivot(index="scene", columns="series", values="text")[[*LAWS, *MESHES]]
+    texts = texts.pivot(index="scene", columns="series", values="text")[[*COMPARED, *MESHES]]
     formats = dict.fromkeys(("found", "formula", "haringx"), "{:.5g}") | {"off": "{:+.2f} %"}
     return {
         "place": frame_table(texts.reindex(place["scene"].unique()).reset_index()),

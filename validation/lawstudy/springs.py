@@ -13,18 +13,18 @@ from coilspring import Scene
 from coilspring.curves import Curve, compare_paths
 from equivbeam.laws.userlaw import UserLaw
 from validation.study.cases import CASES, PathStore, solve_beam, solve_wire
+from validation.study.models import LAWS
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import study_scenes
 from validation.study.timing import interleaved, median_of
 from validation.verification.ablation import CONVERGED
 from validation.verification.randompage import CLASSES, classified
 from validation.verification.randomscenes import KINDS, population
-from validation.verification.randomsprings import COMPONENTS, LAWS, closed, law_row, reference
+from validation.verification.randomsprings import COMPONENTS, HELIX_FIRST, closed, law_row, reference
 
 LAW = "law"  # the user's, among the names of laws
 BAD = 5.0  # per cent of the tip vector, from which on a law counts as broken
 ROUNDS, REPEATS = 5, 3
-BUILT_IN = ("haringx", "helix")
 MESHES = {
     f"{element} {count}": {"element": element, "elements_per_turn": count}
     for element, count in (("straight", 40), ("curved", 4), ("curved", 8))
@@ -41,7 +41,7 @@ class Extent(NamedTuple):
 
 def laws(law: UserLaw) -> dict[str, Any]:
     """The law and those beside it, by name."""
-    return {name: name for name in BUILT_IN} | {LAW: law}
+    return {name: name for name in LAWS} | {LAW: law}
 
 
 def budget(law: UserLaw, paths: PathStore) -> list[Row]:
@@ -105,7 +105,7 @@ def wire_curves(seed: int, kind: str, each: int) -> list[Row]:
         row |= {"contact": scene.contact.enabled, "closed": closed(wire)}
         curve = Curve.of(wire)
         row |= {"wire": wire.outcome, "times": curve.times.tolist(), "answers": curve.answers.tolist()}
-        for law in LAWS:
+        for law in HELIX_FIRST:
             row |= law_row(law, law, scene, curve)
         found.append(row)
     return found

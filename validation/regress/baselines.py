@@ -10,11 +10,10 @@ import numpy as np
 
 from coilspring import CATALOGUE, EquilibriumPath, InputError, Load, Scene
 from coilspring.curves import COMPONENTS
-from coilspring.pathfile import MODELS
-from equivbeam.laws import LAWS
 from validation.study.cases import solve_beam, solve_wire
 from validation.study.files import in_the_way, write_text
 from validation.study.machine import machine, versions
+from validation.study.models import LAWS, MODELS
 from validation.study.partialsolve import partial_path
 from validation.study.scenes import study_scenes
 

@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 from coilspring import Scene, load_scene
 from coilspring.curves import NEGLIGIBLE
-from coilspring.pathfile import MODELS
 from coilspring.scene.scene import SECTIONS
 from coilspring.scene.toml import scene_table, scene_text
 from coilspring.words import counted, rounded
@@ -24,6 +23,7 @@ from validation.regress.baselines import Quantities, Run, find, made, of_runs, r
 from validation.study.cases import make_ready
 from validation.study.document import Table
 from validation.study.files import claimed, write_text
+from validation.study.models import MODELS
 
 SCENE = "scene.toml"  # beside the baselines of a user's scene: what they are of
 FORCES = ("contact_force", "contact_moment", "max_penetration")

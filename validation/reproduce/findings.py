@@ -11,9 +11,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from coilspring.pathfile import MODELS
 from validation.reproduce.claims import CASE_NAMES, FUNCTIONS
 from validation.study.files import FACTS, write_text
+from validation.study.models import MODELS
 from validation.study.template import Facts, page, template
 
 ROOT = Path(__file__).parents[2]  # of a checkout

@@ -22,7 +22,7 @@ from validation.reproduce.assembly import PAGE, assemble
 from validation.study.files import prepare, write_files, writing
 from validation.study.keys import key, sources
 from validation.study.machine import machine, versions
-from validation.study.provenance import MODELS
+from validation.study.provenance import PACKAGES
 from validation.study.store import Store, default_folder
 from validation.view.htmlscene import FILE, is_made, require_extra
 
@@ -137,7 +137,7 @@ class _Run:
             name=name,
             render=self.render,
             times=self.times.decode() if name in TIMED else None,
-            sources=sources(*MODELS, "validation"),
+            sources=sources(*PACKAGES, "validation"),
             versions=versions(*DRAWING),
         )
 
@@ -148,7 +148,7 @@ class _Run:
         measuring = ("reproduce.times", "study.timing", "study.cases")
         name = key(
             "times",
-            sources=sources(*MODELS, *(f"validation.{module}" for module in measuring)),
+            sources=sources(*PACKAGES, *(f"validation.{module}" for module in measuring)),
             versions=versions(),
             machine=[here["processor"], here["cores"], here["system"]],
         )

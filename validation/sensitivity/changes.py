@@ -15,11 +15,12 @@ import pandas as pd
 
 from coilspring import InputError, Scene
 from coilspring.curves import COMPONENTS, over_peak
-from validation.sensitivity.inputs import BEAM, MODELS, WIRE, OpenInput, Variant
+from validation.sensitivity.inputs import OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import CASES, PathStore
 from validation.study.files import write_text
 from validation.study.frames import formatted
+from validation.study.models import BEAM, MODELS, WIRE
 from validation.study.partialsolve import ending
 
 NO_INPUT, COMPLETED = "not an input", "completed"

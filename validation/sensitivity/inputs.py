@@ -10,10 +10,9 @@ from typing import Any
 from coilspring import InputError, Scene
 from equivbeam.sensitivity import unit
 from validation.study.cases import turned
+from validation.study.models import BEAM, MODELS, WIRE
 from wirefe.contact.points import PER_TURN
 
-BEAM, WIRE = "equivbeam", "wirefe"
-MODELS = (BEAM, WIRE)
 NAMES = {BEAM: "beam", WIRE: "wire model"}
 NOT_GIVEN, READING, AGAINST = "not given", "reading", "against its result"
 KINDS = {

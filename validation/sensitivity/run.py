@@ -15,10 +15,11 @@ from coilspring import CATALOGUE, Scene
 from coilspring.errors import require_names
 from validation.sensitivity import changes, tornado
 from validation.sensitivity.changes import CURVE, DEVIATION, Study
-from validation.sensitivity.inputs import INPUTS, KINDS, MODELS, NAMES, OPEN, SILENT, VARIED, inputs_of
+from validation.sensitivity.inputs import INPUTS, KINDS, NAMES, OPEN, SILENT, VARIED, inputs_of
 from validation.study.cases import CASES, make_ready
 from validation.study.document import Table
 from validation.study.files import prepare, write_text
+from validation.study.models import MODELS
 from validation.study.partialsolve import EndedEarly, ending
 from validation.study.provenance import write_provenance
 from validation.study.template import page, template

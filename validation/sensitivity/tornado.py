@@ -12,8 +12,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from validation.sensitivity.changes import COMPLETED, CURVE, Study, sizes, values
-from validation.sensitivity.inputs import AGAINST, BEAM, MODELS, WIRE, OpenInput
+from validation.sensitivity.inputs import AGAINST, OpenInput
 from validation.study.files import write_files
+from validation.study.models import BEAM, MODELS, WIRE
 from validation.study.plots import drawn, lettered
 from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RC, RED, WIRE_LABEL
 

@@ -26,7 +26,7 @@ SOLVERS: dict[str, tuple[Callable[..., EquilibriumPath], dict[str, Any]]] = {
     "wire model": (wirefe.solve, {"element": "curved", "elements_per_turn": 16}),
     "paper's mesh": (wirefe.solve, {}),
 }
-MODELS = tuple(SOLVERS)[:3]  # beside solids
+TITLES = tuple(SOLVERS)[:3]  # beside solids
 
 
 def rod_flexibility(spring: Spring, material: Material, coils: float) -> np.ndarray:
@@ -82,11 +82,11 @@ def deflections(scene: Scene) -> pd.DataFrame:
         rows.append(("solids", name, deflection(scene, fineness)))
         if np.isnan(rows[-1][-1]).any():
             break  # nor would the finer one
-    for model in MODELS:
+    for model in TITLES:
         for kind in KINDS:
             path = solved(scene, model, kind)
             rows.append((model, kind, path.tips[-1] if len(path.tips) else np.full(3, np.nan)))
-    tips, finest = np.array([tip for *_, tip in rows]), len(rows) - len(MODELS) * len(KINDS) - 1
+    tips, finest = np.array([tip for *_, tip in rows]), len(rows) - len(TITLES) * len(KINDS) - 1
     data = pd.DataFrame([row[:2] for row in rows], columns=["model", "wire"])
     data[[*COMPONENTS]] = tips
     peak = np.abs(tips[finest])

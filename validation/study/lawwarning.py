@@ -9,6 +9,7 @@ import equivbeam
 from coilspring import EquilibriumNotFound, InputError, Load, Scene
 from coilspring.curves import COMPONENTS
 from coilspring.scene.sizing import axial_rate
+from validation.study.models import HELIX_LAW, PAPER_LAW
 
 SMALL = 1e-4  # of the active height: about as far does the top move
 DOUBTFUL = 0.1  # of a component of the tip
@@ -31,7 +32,7 @@ def law_warning(scene: Scene) -> str:
     size = SMALL * height * axial_rate(scene) / math.hypot(fx, fy)
     try:
         small = replace(scene.without_contact(), load=Load((size * fx, size * fy), 1))
-        laws = [equivbeam.solve(small, law=law).tips[-1] for law in ("haringx", "helix")]
+        laws = [equivbeam.solve(small, law=law).tips[-1] for law in (PAPER_LAW, HELIX_LAW)]
     except (EquilibriumNotFound, InputError):
         return ""
     paper, helix = np.array(laws) * (1.0, 1.0, height)

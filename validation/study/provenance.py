@@ -7,9 +7,10 @@ from validation.study.document import Table
 from validation.study.files import write_bytes
 from validation.study.keys import sources
 from validation.study.machine import machine
+from validation.study.models import MODELS
 
 FILE = "provenance.json"
-MODELS = ("coilspring", "equivbeam", "wirefe")
+PACKAGES = ("coilspring", *MODELS)  # of which the models are made
 DIGITS = 12  # of a digest, as shown
 
 
@@ -32,7 +33,7 @@ def write_provenance(command: str, out: Path, **more: object) -> None:
 
 def models() -> str:
     """Digest of the models' sources as they are."""
-    return sources(*MODELS)[:DIGITS]
+    return sources(*PACKAGES)[:DIGITS]
 
 
 def provenance_table(studies: list[tuple[str, Path]]) -> Table:

@@ -11,6 +11,7 @@ import numpy as np
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_number
 from coilspring.words import counted
+from validation.study.models import LAWS
 from validation.study.partialsolve import partial_path
 from validation.sweep.grid import Point, Varied
 from validation.sweep.run import Choice
@@ -18,7 +19,6 @@ from wirefe.adaptive import solve_to_either
 from wirefe.meshes import Levels, difference, on_plates
 from wirefe.trials import ACCURACIES, NotReached
 
-LAWS = ("haringx", "helix")  # cheap to dear, and cheaper than any mesh
 LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 CORNERS, INSIDE = 8, 4  # scenes of a sample, at most
 MARGIN = 2.0  # between the worst error of a sample and that of the grid
@@ -118,7 +118,7 @@ def _candidates(grid: Sequence[Point]) -> Iterator[tuple[str, Candidate]]:
     def wire(scene: Scene, level: int) -> Choice:
         return Choice("wirefe", Levels.of(scene, None).options(level))
 
-    for law in LAWS:
+    for law in LAWS:  # cheaper than any mesh
         yield f"equivbeam, law {law}", partial(beam, law=law)
     multiple = math.lcm(*{Levels.of(point.scene, None).multiple for point in grid if point.scene})
     one_each = {on_plates(point.scene): point.scene for point in grid if point.scene}.values()

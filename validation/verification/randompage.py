@@ -20,7 +20,7 @@ from validation.study.plots import png
 from validation.study.style import BLUE, DOUBLE, GREY, NAVY, RC
 from validation.verification import randomscenes, randomsprings
 from validation.verification.randomscenes import KINDS
-from validation.verification.randomsprings import COMPONENTS, LAWS
+from validation.verification.randomsprings import COMPONENTS, HELIX_FIRST
 
 CLASSES = ("without contact", "none closes", "up to 3 close", "more than 3 close")
 NAMES = {"helix": "helix law", "haringx": "paper's law"}
@@ -29,7 +29,7 @@ WORST = 10  # springs in the table of the worst, whose columns are:
 TITLES = {name: name for name in ("seed", "number", "kind", "shape", "index", "coils")}
 TITLES |= {"slenderness": "L/D", "phase": "phase", "closed": "closed", "wire": "wire"}
 TITLES |= {"reference": "half the pairs", "helix_steps": "steps"}
-TITLES |= {f"{law}_vector": law for law in LAWS}
+TITLES |= {f"{law}_vector": law for law in HELIX_FIRST}
 FILE = Path("reports/errorbudget/randomsprings.png")
 LOOKS: dict[str, dict[str, Any]] = {
     "helix": {"color": NAVY, "marker": "D", "label": "helix law, median to 95th percentile"},
@@ -44,7 +44,9 @@ BESIDE, SPREAD = 0.19, 0.11  # of a law from the middle of its row, and of singl
 def classified(data: pd.DataFrame) -> pd.DataFrame:
     """The rows with their class of contact and each law's worst component."""
     closed = np.select([~data["contact"], data["closed"] == 0, data["closed"] <= 3], CLASSES[:3], CLASSES[3])
-    worst = {f"{law}_worst": data[[f"{law}_{name}" for name in COMPONENTS]].max(axis=1) for law in LAWS}
+    worst = {
+        f"{law}_worst": data[[f"{law}_{name}" for name in COMPONENTS]].max(axis=1) for law in HELIX_FIRST
+    }
     return data.assign(closing=closed, **worst)
 
 
@@ -102,7 +104,7 @@ WORDS.globals.update(
 
 def page(data: pd.DataFrame) -> str:
     """The part of the page on random springs: sentences, and tables of early ends and of the worst."""
-    rows, models = classified(data), ["wire", *LAWS]
+    rows, models = classified(data), ["wire", *HELIX_FIRST]
     early = rows[(rows[models] != "completed").any(axis=1)]
     counts = early.groupby([*models, "closing"]).size().unstack(fill_value=0)
     counts = counts.reindex(columns=CLASSES, fill_value=0).reset_index()
@@ -120,7 +122,7 @@ def facts(data: pd.DataFrame) -> dict[str, float]:
     """Of the errors of the tip vector of each law, without contact and where many pairs close."""
     rows = classified(data)
     found: dict[str, float] = {}
-    for law, (name, closing) in product(LAWS, (("open", 0), ("closed", 3))):
+    for law, (name, closing) in product(HELIX_FIRST, (("open", 0), ("closed", 3))):
         known = errors(rows, f"{law}_vector", closing)
         values = {"springs": int(known.count()), "median": known.median()}
         values |= {"percentile": known.quantile(0.95), "bound": percentile_bound(known)}

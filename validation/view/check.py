@@ -7,13 +7,13 @@ import numpy as np
 
 import equivbeam
 from coilspring import InputError, Scene
-from coilspring.pathfile import MODELS
 from coilspring.scene import SEATS
 from coilspring.scene.sizing import sizes
 from equivbeam.model import build_model
 from equivbeam.validity import taut
 from validation.study import scenewarnings
 from validation.study.lawwarning import law_warning
+from validation.study.models import MODELS
 from validation.study.partialsolve import partial_path
 from validation.study.template import template
 from wirefe.mesh import mesh_wire

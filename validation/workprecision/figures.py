@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 
 from coilspring import Contact
+from validation.study.models import BEAM, WIRE
 from validation.study.plots import drawn, lettered
 from validation.study.style import BLUE, DOUBLE, GREY, LIGHT_RED, NAVY, RC, RED, Look
 from validation.workprecision.results import by_scene, competes, of_paper
@@ -46,7 +47,7 @@ FLOOR: Look = {"facecolor": "#efefef", "edgecolor": "#a8a8a8", "hatch": "////", 
 USUAL: Look = {"color": GREY, "linewidth": 0.8, "zorder": 0.5}  # the penalty of the scenes
 DASHES = ("-", DASHED)  # of the first scene and the second
 PAPER_TANGENT: Look = {"color": BLUE, "marker": "x", "ls": "none", "ms": 4.0, "mew": 1.0, "zorder": 3.0}
-MODELS = (("equivbeam", "equivalent beam", BLUE, "o"), ("wirefe", "wire model", RED, "s"))
+MODEL_LOOKS = ((BEAM, "equivalent beam", BLUE, "o"), (WIRE, "wire model", RED, "s"))
 CROSS: Look = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 6.0}
 
 
@@ -139,7 +140,7 @@ def draw_penalties(rows: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(DOUBLE, 2.9), layout="constrained")
     error, time = figure.subplots(1, 2)
     for (scene, part), dashes in zip(by_scene(rows), DASHES, strict=False):
-        for model, name, colour, marker in MODELS:
+        for model, name, colour, marker in MODEL_LOOKS:
             mine = part[part["model"] == model]
             look: Look = {"color": colour, "marker": marker, "linestyle": dashes, "markersize": 4.0}
             look |= {"mfc": colour if dashes == "-" else "white", "label": f"{title(scene)}, {name}"}

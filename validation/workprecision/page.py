@@ -10,17 +10,17 @@ import numpy as np
 import pandas as pd
 
 from coilspring import InputError
-from equivbeam.laws import LAWS
 from validation.study import provenance
 from validation.study.cases import CASES
 from validation.study.document import Table
 from validation.study.files import write_files, write_text
 from validation.study.frames import view
+from validation.study.models import LAWS, PAPER_LAW
 from validation.study.template import page, template
 from validation.study.timing import spread
 from validation.workprecision import results
 from validation.workprecision.results import by_scene, fastest, of_paper, setting_of, usual_pairs
-from validation.workprecision.settings import PAPER_LAW, PEER, STEPS, title
+from validation.workprecision.settings import PEER, STEPS, title
 from wirefe.contact.points import PER_TURN
 
 PAGE = template(Path(__file__).with_name("page.md"))

@@ -6,13 +6,13 @@ from typing import Self
 
 from coilspring import InputError, Scene
 from coilspring.words import counted
-from equivbeam.laws import LAWS
+from validation.study.models import LAWS, PAPER_LAW
 from wirefe.contact.points import PER_TURN
 from wirefe.mesh import mesh_wire
 
 STEPS = 50  # of the paper, and of every scene here
 PAIRS = PER_TURN["spheres"]  # a turn, as in the paper's mesh; other numbers are other contact models
-PAPER_LAW, PAPER_ELEMENTS = "haringx", 40
+PAPER_ELEMENTS = 40
 SERIES = ("straight", "curved", *LAWS)
 PEER = "opensees"
 
