@@ -18,7 +18,14 @@ FAKE = {
         "critical time": np.nan,
         "overlap": 0.03,
     },
-    **{"penetration": 0.001, "force": 14.0, "factorisations": 69, "pairs found": 0, "unlisted": 0},
+    **{
+        "penetration": 0.001,
+        "force": 14.0,
+        "forces": 50.0,
+        "factorisations": 69,
+        "pairs found": 0,
+        "unlisted": 0,
+    },
     **{"work": 0.0, "largest slip": 0.0, "last slip": 0.0, "couple": 0.0, "moment": 250.0, "seconds": 1.0},
 }
 
@@ -103,6 +110,23 @@ def test_friction_that_ends_early_has_no_number():
     assert rows.loc[("A", "no sliding"), "work of friction, N mm"] == "0"
     assert "a moment of 250 N mm" in text
     assert "10 % of it with mu = 0.1, 20 % with 0.3 and 50 % with no sliding" in text
+
+
+def test_forces_of_pairs_are_compared_with_those_of_the_finest_mesh():
+    off = {"wires": 0.4, "spheres": 0.004}
+    data = fake(
+        contact.RUNS["forces"],
+        force=lambda run: 10.0 * (1.0 - off[run.geometry] / run.elements + off[run.geometry] / 64),
+        forces=lambda run: 50.125 if (run.geometry, run.elements) == ("wires", 4) else 50.0,
+    )
+    text = page(forces=data)
+    rows = table(text, "spring | contact | elements").set_index(["spring", "contact", "elements per turn"])
+    assert rows.loc[("valve", "32 stations", "4"), "its deviation"] == "-9.38 %"
+    assert rows.loc[("A", "4 spheres", "8"), "its deviation"] == "-0.04 %"
+    assert ("A", "4 spheres", "64") not in rows.index
+    words = " ".join(text.split())
+    assert "With 4 elements per turn the largest force of a pair deviates by up to 9.4 % for wires" in words
+    assert "and 0.094 % for spheres, the sum of forces by 0.25 % and 0, the tip by 0 and 0." in words
 
 
 def test_the_page_follows_the_runs():

@@ -27,6 +27,7 @@ SPRINGS: dict[str, Callable[[], Scene]] = {
     "A": spring_a,
     "B": spring_b,
     "cycle": lambda: replace(load_scene("examples/stages.toml"), load=CYCLE),
+    "valve": lambda: replace(load_scene("examples/stages.toml"), load=Load((0.0, -80.0), steps=50)),
 }
 PAGE, RECORD = Path("docs/contact.md"), Path("reports/contact")
 CATALOGUE = {"A": 0.0, "B": NONE}  # coefficients of the catalogue's springs
@@ -50,7 +51,7 @@ class Run:
     steps: int = 50
     geometry: str = "spheres"
     degrees: float = 0.0  # start phase
-    curved: bool = False  # as many elements per turn as pairs; else 40 straight ones
+    elements: int = 0  # per turn, curved ones; 0 for the 40 straight ones of the paper
 
     @property
     def scene(self) -> Scene:
@@ -66,7 +67,7 @@ class Run:
 
     def solved(self) -> EquilibriumPath:
         """Its path, as far as it goes."""
-        mesh = {"element": "curved", "elements_per_turn": self.pairs} if self.curved else {}
+        mesh = {"element": "curved", "elements_per_turn": self.elements} if self.elements else {}
         steps = {} if self.spring == "cycle" else {"steps": self.steps}
         return partial_path(wirefe.solve, self.scene, pairs_per_turn=self.pairs, **steps, **mesh)
 
@@ -81,7 +82,7 @@ RUNS = {
         for name, mu, steps in product(CATALOGUE, (0.0, 0.05, 0.1, 0.3, 1.0, NONE), STEPS)
     ],
     "search": [
-        Run(name, mu, pairs, K=K, steps=10, curved=True)
+        Run(name, mu, pairs, K=K, steps=10, elements=pairs)
         for name, mu, K, pairs in (
             ("A", 0.0, 1e2, 40), ("A", 0.0, 3e1, 40), ("B", NONE, 1e2, 20), ("B", NONE, 1e2, 40),
             ("B", 0.0, 1e4, 4), ("B", 0.0, 1e4, 40), ("B", 0.0, 1e4, 80),
@@ -96,6 +97,12 @@ RUNS = {
         for degrees, (geometry, pairs) in product((0.0, 11.25, 22.5, 45.0), (*KINDS[:2], KINDS[3]))
     ],
     "cycles": [Run("cycle", 0.1, pairs, geometry=geometry) for geometry, pairs in KINDS],
+    "forces": [
+        Run(name, mu, pairs, geometry=geometry, elements=elements)
+        for (name, mu), (geometry, pairs), elements in product(
+            (("A", 0.0), ("B", NONE), ("valve", 0.1)), (("spheres", 4), ("wires", 32)), (4, 8, 16, 32, 64)
+        )
+    ],
 }  # fmt: skip
 Runs = Mapping[str, pd.DataFrame]
 
@@ -119,6 +126,7 @@ def measures(path: EquilibriumPath) -> dict[str, Any]:
         "overlap": path.max_overlap[-1],
         "penetration": path.max_penetration[-1],
         "force": path.contact_forces[-1].max(),
+        "forces": path.contact_forces[-1].sum(),
         "factorisations": path.total_iterations,
         "pairs found": path.options["pairs_found"],
         "unlisted": unlisted(path),
@@ -207,6 +215,21 @@ def beside(data: pd.DataFrame, by: str | list[str], reference: int = -1) -> pd.D
     )
 
 
+def deviations(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs on finer and finer meshes, with the deviations of forces and tips from the last one."""
+    last = runs.iloc[-1]
+    off = {name: runs[name] / last[name] - 1.0 for name in ("force", "forces")}
+    return runs.assign(
+        largest=off["force"], sum=off["forces"], tips=difference(runs, last), finest=last["elements"]
+    ).iloc[:-1]
+
+
+def worst(runs: pd.DataFrame) -> dict[str, dict[str, float]]:
+    """The largest deviations of the springs, by geometry."""
+    sizes = runs.assign(**{name: runs[name].abs() for name in ("largest", "sum", "tips")})
+    return sizes.groupby("geometry")[["largest", "sum", "tips"]].max().to_dict("index")
+
+
 def friction_row(runs: pd.DataFrame) -> dict[str, Any]:
     """Of runs in several numbers of steps the last, in the most, and by what the others differ."""
     last = runs.iloc[-1]
@@ -226,6 +249,7 @@ def tables(runs: Runs) -> dict[str, pd.DataFrame]:
         "geometry": beside(runs["geometry"], ["spring", "mu"]),
         "phases": beside(runs["phases"], "degrees"),
         "cycles": cycles.assign(difference=cycles["work"] / cycles["work"].iloc[-1] - 1.0),
+        "forces": pd.concat(deviations(group) for _, group in runs["forces"].groupby(["spring", "geometry"])),
     }
 
 
@@ -240,6 +264,7 @@ def page(runs: Runs, limit: Mapping[str, Any]) -> str:
         **{name: table.to_dict("records") for name, table in (found | {"costs": costs}).items()},
         still=pairs.loc[(pairs["spring"] == "A") & (pairs["pairs"] == 20), "difference"].item(),
         slip=runs["friction"].query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item(),
+        worst={elements: worst(group) for elements, group in found["forces"].groupby("elements")},
         couples=[a["couple"][mu] for mu in (0.1, 0.3, NONE)],
         moment=a["moment"][NONE],
         listed=int(pairs["pairs found"].sum()),
