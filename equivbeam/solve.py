@@ -91,8 +91,9 @@ def solve(
     states, times = run.track.states, output_times(scene)[: len(run.track.states)]
     if run.outcome != "completed":  # which the law may be to blame for
         states, times = np.vstack((states, run.track.last)), np.append(times, run.track.time)
-    run = replace(run, message=run.message + warning(scene, options.law, data.rows, states, times))
-    return scene_path(scene, "equivbeam", options.stored(), run, BeamShape(scene, data, with_law.assemble))
+    shape = BeamShape(scene, data, with_law.assemble)
+    run = replace(run, message=run.message + warning(shape, options.law, states, times))
+    return scene_path(scene, "equivbeam", options.stored(), run, shape)
 
 
 def _judged(law: str | UserLaw, rows: np.ndarray, run: Run) -> Run:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from coilspring.scene import Scene
@@ -11,27 +13,31 @@ from equivbeam.halfcoils import half_coils, wire_lengths
 from equivbeam.laws import name_of
 from equivbeam.laws.helix import HIGH, LOW
 from equivbeam.laws.userlaw import UserLaw
-from equivbeam.shape import element_measures
+from equivbeam.shape import BeamShape, element_measures
 
 # Share of the travel to solid up to which a force is trusted. Of 24 random guided cylinders the force at a
 # prescribed height is within 2.4 % of the wire model's (32 pairs per turn) up to 0.90; at 0.95 and few coils
 # errors reach 32 %.
 TRUSTED = 0.90
 ADVICE = ": use wirefe with 16 or more pairs per turn"
+IN_PLANE = 1e-9  # sine of the start phase
 # Share of its wire's length up to which the length of a half coil is trusted, and times that at rest, which
 # is a large share where coils are steep. Of 43 random springs of 2 to 10 coils that are pulled, UY by haringx
 # is within 9.4 % of the wire model's before (12.7 % with 2 coils), and off by 10 % at shares of 0.31 to 0.50;
 # by helix it is within 9.3 % on these, and within 10 % on 21 others that were drawn to 0.67 at least. At 0.69
 # it was seen to lose its stability, where the wire does not.
 TAUT, TAUT_HELIX, LONGER = 0.30, 0.65, 1.1
+# Wire diameters by which gaps of circles may differ from those of the wire where it crosses the working
+# plane; gaps that matter are below the second.
+BESIDE, NEAR = 0.03, 0.2
 
 
-def warning(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndarray, times: np.ndarray) -> str:
-    """What of the states (steps, n) at some times the law does not hold for, and what to use instead."""
+def warning(shape: BeamShape, law: str | UserLaw, states: np.ndarray, times: np.ndarray) -> str:
+    """What of the states (steps, n) at some times the model does not hold for, and what to use instead."""
     if not len(states):
         return ""
-    lengths, said = element_measures(states)[..., 0], ""
-    drawn = _straight(rows, lengths, times) if law == "helix" else ""
+    scene, lengths, said = shape.scene, element_measures(states)[..., 0], ""
+    drawn = _straight(shape.data.rows, lengths, times) if law == "helix" else ""
     if drawn := drawn or taut(scene, law, states, times):
         said = f"; but{drawn}"
     # coils that close bit by bit from their ends, which circles do not see
@@ -44,7 +50,31 @@ def warning(scene: Scene, law: str | UserLaw, rows: np.ndarray, states: np.ndarr
             f"; but{when} it is {shortened[row] / travel:.0%} of the travel to solid, where coils close bit "
             f"by bit and the beam's force may be far off{ADVICE}"
         )
-    return said
+    return said + _beside(shape, states, times)
+
+
+def _beside(shape: BeamShape, states: np.ndarray, times: np.ndarray) -> str:
+    """Where circles, which stand at the nodes, are not where a wire that begins beside the working plane
+    crosses it: by how much their least gap is wrong, in the state with the least one and in the lowest."""
+    spring = shape.scene.spring
+    if not len(shape.data.pairs) or abs(math.sin(spring.start_phase)) <= IN_PLANE:
+        return ""
+    own, phases = shape.pair_gaps(states).min(axis=1), spring.circle_phases()
+    ends = np.clip(phases, 0.0, spring.phase_end)
+    moves = ends[2:] != ends[:-2]  # not within one rigid end
+    rows = np.unique([int(np.argmin(own)), int(np.argmin(states[:, -2]))])
+    crossings = np.stack([shape.centreline(state, phases) for state in states[rows]])[..., :2]
+    apart = np.linalg.norm(crossings[:, 2:] - crossings[:, :-2], axis=-1)[:, moves]
+    wire = apart.min(axis=1) - spring.wire_diameter
+    near = np.minimum(wire, own[rows]) < NEAR * spring.wire_diameter
+    row, when = worst(np.where(near, np.abs(wire - own[rows]), 0.0), times[rows])
+    off = abs(wire[row] - own[rows[row]])
+    if not near[row] or off < BESIDE * spring.wire_diameter:
+        return ""
+    return (
+        f"; but{when} the least gap of circles is {own[rows[row]]:.2g} mm, and {wire[row]:.2g} mm where the "
+        "wire, which begins beside the working plane, crosses it: contact may be wrong: use wirefe"
+    )
 
 
 def _straight(rows: np.ndarray, lengths: np.ndarray, times: np.ndarray) -> str:

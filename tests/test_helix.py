@@ -299,3 +299,22 @@ def test_budget_of_iterations():
     """As many as the paper's law, within a tenth; measured 110 against 104."""
     spent = [equivbeam.solve(spring_a(), law=law).total_iterations for law in ("haringx", "helix")]
     assert spent[1] <= 1.1 * spent[0]
+
+
+@pytest.mark.parametrize("diameters", [(20.0, 14.0), (14.0, 20.0)])
+def test_circles_that_are_not_where_the_wire_crosses_the_plane_are_told(diameters):
+    """One spring, either end up: coils that overlap by 0.28 mm and are 0.07 mm apart as circles; and coils
+    that touch as circles and are 0.21 mm apart. Nothing is said of a wire that begins in the plane, nor where
+    nothing comes near."""
+    spring = Spring(2.0, diameters, 5.0, 24.0, start_phase=0.5 * np.pi)
+    cone = Scene("cone", spring, Load((0.0, -60.0), 4), supports=Supports(("ux", "rotz")), contact=Contact())
+    path = equivbeam.solve(cone, law="helix")
+    centres = path.circle_centres(-1)
+    gap = np.linalg.norm(centres[2:] - centres[:-2], axis=1).min() - 2.0
+    assert f"the least gap of circles is {path.gaps[-1].min():.2g} mm, and {gap:.2g} mm where" in path.message
+    for quiet in (
+        replace(cone, spring=replace(spring, start_phase=np.pi)),
+        replace(cone, load=Load((0.0, -20.0), 4)),
+        cone.without_contact(),
+    ):
+        assert "circles" not in equivbeam.solve(quiet, law="helix").message
