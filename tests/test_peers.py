@@ -5,7 +5,9 @@ import json
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,9 +15,10 @@ import pytest
 import wirefe
 from coilspring import Contact, InputError, Load, Scene, Spring, load_scene, scene_text, spring_a, spring_b
 from validation.cli import main
-from validation.peers import calculix, comparison, page
+from validation.peers import calculix, comparison, page, timing
 from validation.peers.comparison import PeerComparison
 from validation.peers.layout import PeerCurve, layout
+from validation.study.partialsolve import EndedEarly
 from wirefe.contact.points import contact_points
 from wirefe.mesh import mesh_wire
 
@@ -300,3 +303,114 @@ def test_the_page_has_both_codes_at_the_last_common_step():
     assert "steps, opensees" in text
     assert "- spring-b does not reach full load: opensees ended early, after 2 of 4 steps" in text
     assert "full load:" not in page.page("opensees", {"spring-b": compared(4, 4)})
+
+
+def answering(code, fewest, iterations=1, factor=1.0):
+    """A code that needs so many steps, takes a second for each beyond ten or short of it, and answers the
+    same tip times a factor; half of it where the steps are too few."""
+
+    def run(steps):
+        share = np.arange(1, steps + 1)[:, None] / steps
+        tips = share * [-2.0 * factor, -4.0, 0.0] * (1.0 if steps >= fewest else 0.5)
+        return PeerCurve(code, share[:, 0], tips, 1.0 + abs(steps - 10), iterations * steps)
+
+    return run
+
+
+def test_each_code_is_timed_in_the_steps_that_suit_it():
+    runs, calls = {"wirefe": answering("wirefe", 3), "opensees": answering("opensees", 15, 2, 1.001)}, []
+
+    def counted(code):
+        return lambda steps: calls.append((code, steps)) or runs[code](steps)
+
+    data = timing.timed("spring", {code: counted(code) for code in runs}, range(4)).set_index("kind")
+    assert data["wirefe_steps"].to_dict() == {"equal": 50, "fewest": 3, "fastest": 10}
+    assert data["opensees_steps"].to_dict() == {"equal": 50, "fewest": 15, "fastest": 15}
+    assert data["ratio"].to_dict() == {"equal": 1.0, "fewest": 6.0 / 8.0, "fastest": 6.0}
+    assert data["opensees_iterations"].to_dict() == {"equal": 100, "fewest": 30, "fastest": 30}
+    np.testing.assert_allclose(data["difference"], 1e-3)
+    assert calls.count(("opensees", 15)) == 1 + 4  # timed once in a round, though it is chosen twice
+    last = calls[-5:]
+    assert calls[-20:] == last * 4
+    assert len(set(last)) == 5
+
+
+def test_a_code_without_the_reference_is_not_timed():
+    """Half of a path in 50 steps, if at the same tip; fewer steps that end early are no choice."""
+
+    def half(steps):
+        whole = answering("opensees", 1)(steps)
+        return replace(whole, times=whole.times[: steps // 2], tips=whole.tips[steps - steps // 2 :])
+
+    with pytest.raises(EndedEarly, match="opensees did not reach full load on spring in 50 steps"):
+        timing.timed("spring", {"wirefe": answering("wirefe", 1), "opensees": half}, range(1))
+    some = timing.sufficient(lambda steps: (answering("opensees", 1) if steps > 5 else half)(steps), "spring")
+    assert list(some) == [6, 8, 10, 15, 20, 30, 50]
+
+
+def test_the_deviation_is_of_the_components_that_are_free():
+    tips = np.array([-2.0, 4.0, 1e-3]), np.array([-2.02, 4.0, 1e-12])
+    assert timing.deviation(*tips) == pytest.approx(0.02 / 2.02)
+
+
+@pytest.fixture
+def peer(monkeypatch):
+    """OpenSees, whose answers are the wire model's, UX and UY a thousandth larger, and take 7 s; its
+    arguments."""
+    calls = []
+
+    def run(scene, steps, tolerance, halvings):
+        calls.append((scene.name, steps, tolerance, halvings))
+        path = wirefe.solve(scene, steps=steps)
+        return PeerCurve("opensees", path.times, path.tips * peer.factor, 7.0, 9)
+
+    peer = SimpleNamespace(run=run, tolerance=lambda scene: 2e-9, TOLERANCE=1e-10, factor=1.001, calls=calls)
+    monkeypatch.setattr(timing, "opensees", lambda: peer)
+    monkeypatch.setattr(timing, "versions", lambda name: {name: "3.7"})
+    monkeypatch.setattr(timing, "LADDER", (5, 50))
+    monkeypatch.setattr(timing, "ROUNDS", 1)
+    return peer
+
+
+def test_page_and_facts_of_the_times(peer, tmp_path, capsys):
+    assert timing.main(tmp_path) == 0
+    assert {call[0] for call in peer.calls} == set(timing.SCENES)
+    assert {call[2:] for call in peer.calls} == {(2e-9, 0)}
+    found = json.loads((tmp_path / "facts.json").read_text())
+    recorded = json.loads((ROOT / page.FOLDER / "facts.json").read_text())
+    assert found.keys() == recorded.keys()
+    for scene in timing.SCENES:
+        assert found[f"opensees.{scene}.difference"] == pytest.approx(0.1)
+        assert found[f"opensees.{scene}.equal"] > 10.0
+    text = (tmp_path / "opensees.md").read_text()
+    assert (ROOT / page.FOLDER / "opensees.md").is_file()
+    lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines()]
+    times = [line for line in lines if len(line) == 8 and line[1] == "spring-a"]
+    assert [line[2] for line in times] == ["equal", "fewest", "fastest"]
+    assert times[0][3] == "50 / 50"
+    assert times[1][3] == "5 / 5"
+    assert times[0][5] == "7000 [7000, 7000]"
+    assert times[0][6].endswith("/ 9")
+    assert times[0][7] == "0.1000"
+    wire, other = (line for line in lines if line[0] == "spring-a" and len(line) == 5)
+    assert (wire[1], other[1]) == ("wirefe", "opensees")
+    assert float(other[3]) == pytest.approx(1.001 * float(wire[3]), abs=1e-4)
+    assert "out of 5, 50 in which each" in text
+    assert "within 0.2 % of its own" in text
+    assert "below 1e-10 of the full load" in text
+    assert "openseespy 3.7." in text
+    assert "spring-a, round 1 of 1" in capsys.readouterr().out
+
+
+def test_other_tips_are_written_and_told_by_the_exit_code(peer, tmp_path, monkeypatch):
+    monkeypatch.setattr(timing, "SCENES", ("spring-b-no-contact",))
+    peer.factor = 1.003
+    assert timing.main(tmp_path) == 1
+    assert "0.3000" in (tmp_path / "opensees.md").read_text()
+
+
+def test_nothing_is_timed_without_opensees(monkeypatch, tmp_path):
+    monkeypatch.setattr(timing, "opensees", lambda: None)
+    with pytest.raises(InputError, match="pip install"):
+        timing.main(tmp_path)
+    assert not list(tmp_path.iterdir())

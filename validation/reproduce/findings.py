@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from validation.peers.timing import SCENES
 from validation.reproduce.claims import CASE_NAMES, FUNCTIONS
 from validation.study.files import FACTS, write_text
 from validation.study.models import MODELS
@@ -98,8 +99,7 @@ def random_errors(f: Facts, group: str) -> list[float]:
 
 def peers(f: Facts, name: str) -> list[float]:
     """A number of the comparison with OpenSees, of each case that it solves."""
-    scenes = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
-    return [f[f"referee: opensees.{scene}.{name}"] for scene in scenes]
+    return [f[f"referee: opensees.{scene}.{name}"] for scene in SCENES]
 
 
 def measured(f: Facts, element: str, elements: int, column: str) -> float:
