@@ -17,12 +17,12 @@ from validation.reproduce import report
 from validation.reproduce.claims import DIFFERS, VERDICTS, claim_table
 from validation.reproduce.facts import B, facts, frictionless, mesh_error
 from validation.reproduce.phases import SOFTER, over_phases, phase_table, turned_by
-from validation.study import cases, timing
+from validation.study import cases, paths, timing
 from validation.study.scenes import EXACT_ROD
 from validation.study.template import statement, template, unwrapped
 from validation.view import shapes
 
-STORE = cases.PathStore(lambda line: None)
+STORE = paths.PathStore(lambda line: None)
 
 
 @pytest.fixture(scope="module")

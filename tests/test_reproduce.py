@@ -14,7 +14,7 @@ from coilspring import CATALOGUE, InputError
 from test_statements import VERDICTS
 from validation.reproduce import ARTEFACTS, artifacts, claims, reproduction, times
 from validation.reproduce.findings import REPRODUCTION
-from validation.study import cases
+from validation.study import paths
 from validation.study.machine import machine
 from validation.view import process
 
@@ -40,8 +40,8 @@ def solved(monkeypatch, own_store):
         solve.__name__ = original.__name__
         return solve
 
-    for original in (cases.solve_beam, cases.solve_wire):
-        monkeypatch.setattr(cases, original.__name__, recorded(original))
+    for original in (paths.solve_beam, paths.solve_wire):
+        monkeypatch.setattr(paths, original.__name__, recorded(original))
     return made
 
 

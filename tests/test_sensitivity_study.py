@@ -52,8 +52,9 @@ from validation.sensitivity.inputs import INPUTS, LIKE, NOT_GIVEN, READING, VARI
 from validation.sensitivity.run import digest, sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.sensitivity.tornado import draw
-from validation.study.cases import PAPER_MESH, case, solve_beam, solve_wire
+from validation.study.cases import PAPER_MESH, case
 from validation.study.models import BEAM, MODELS, WIRE
+from validation.study.paths import solve_beam, solve_wire
 from wirefe import model as wire
 from wirefe.contact.points import contact_points
 from wirefe.mesh import mesh_wire

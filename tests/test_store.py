@@ -12,9 +12,9 @@ import wirefe
 from coilspring import Contact, InputError, Material, load_path, load_scene, spring_a, spring_b
 from coilspring.contact.law import PAIR_HISTORY
 from validation.study import keys, store
-from validation.study.cases import PathStore
 from validation.study.keys import run_key
 from validation.study.partialsolve import partial_path
+from validation.study.paths import PathStore
 from validation.study.store import Store
 
 FILES = {"a.csv": b"1,2\n", "b.bin": bytes(range(256))}

@@ -16,7 +16,7 @@ def test_outcomes_and_iterations():
 
 def test_the_page_has_all_runs(monkeypatch):
     monkeypatch.setattr(tangents, "ROUNDS", 2)
-    monkeypatch.setattr(tangents, "CASES", ("spring-b-no-contact",))
+    monkeypatch.setattr(tangents, "CATALOGUE", ("spring-b-no-contact",))
     rows = tangents.by_case()
     assert list(rows["tangent"]) == list(tangents.TANGENTS)
     assert rows["over exact"][0] == 1.0  # over itself

@@ -22,12 +22,12 @@ from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.run import verified
 from validation.campaign.scenes import case_id
 from validation.lawstudy import checks, page, springs
-from validation.study.cases import PathStore
 from validation.study.files import prepare, write_files
 from validation.study.frames import to_csv
 from validation.study.keys import key, sources
 from validation.study.machine import versions
 from validation.study.partialsolve import partial_path
+from validation.study.paths import PathStore
 from validation.study.provenance import write_provenance
 from validation.study.store import Store, default_folder
 from validation.verification.randomscenes import KINDS

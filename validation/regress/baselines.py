@@ -10,11 +10,11 @@ import numpy as np
 
 from coilspring import CATALOGUE, EquilibriumPath, InputError, Load, Scene
 from coilspring.curves import COMPONENTS
-from validation.study.cases import solve_beam, solve_wire
 from validation.study.files import in_the_way, write_text
 from validation.study.machine import machine, versions
 from validation.study.models import LAWS, MODELS
 from validation.study.partialsolve import partial_path
+from validation.study.paths import solve_beam, solve_wire
 from validation.study.scenes import study_scenes
 
 SHIPPED = Path(__file__).with_name("baseline")  # of the runs on the catalogue's scenes

@@ -20,9 +20,9 @@ from coilspring.scene.toml import scene_table, scene_text
 from coilspring.words import counted, rounded
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import Quantities, Run, find, made, of_runs, read, runs, runs_of
-from validation.study.cases import make_ready
 from validation.study.document import Table
 from validation.study.files import claimed, write_text
+from validation.study.kernels import make_ready
 from validation.study.models import MODELS
 
 SCENE = "scene.toml"  # beside the baselines of a user's scene: what they are of

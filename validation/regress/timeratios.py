@@ -10,8 +10,9 @@ import numpy as np
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from validation.regress.baselines import made
-from validation.study.cases import CASES, solve_beam, solve_wire
+from validation.study.cases import CASES
 from validation.study.files import json_bytes, write_bytes
+from validation.study.paths import solve_beam, solve_wire
 from validation.study.timing import announced, interleaved, median_of
 
 FILE = "times.json"

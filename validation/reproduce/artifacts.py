@@ -16,9 +16,9 @@ from validation.reproduce import claims, facts, phases, report, times
 from validation.reproduce.assembly import PAGE
 from validation.reproduce.curves import TIPS, both_models, iteration_counts
 from validation.study import frames
-from validation.study.cases import PathStore
 from validation.study.document import Table
 from validation.study.files import FACTS, json_bytes, write_files
+from validation.study.paths import PathStore
 from validation.study.provenance import FILE, provenance
 from validation.view import htmlscene, shapes
 from validation.view.process import Drawing
@@ -38,7 +38,6 @@ class Maker:
     paths: PathStore  # of both models; their store keeps the artifacts, too
     render: bool  # whether pictures are made
     cleanup: ExitStack  # ends the rendering processes, whatever happens
-    times: bytes = b""  # CSV file of Table 3, for the artifacts that show it
     pending: list[Callable[[], None]] = field(default_factory=list)  # write figures that are being rendered
     warnings: list[str] = field(default_factory=list)  # what did not go as planned, one sentence each
 
@@ -46,14 +45,14 @@ class Maker:
         """Measure the times of Table 3; its CSV file."""
         return frames.to_csv(times.measure(self.paths))
 
-    def make(self, name: str, key: str) -> Files:
+    def make(self, name: str, key: str, table3: bytes) -> Files:
         """Make an artifact; it is kept under its key when all of it is there.
 
-        Figures in space are written later, by `finish`.
+        `table3`: its CSV file, for artifacts that show it. Figures in space are written later, by `finish`.
         """
         if name in SPRINGS:
             return self._springs(name, key)
-        files = MAKERS[name](self)
+        files = MAKERS[name](self, table3)
         if not self.warnings:  # which are of this machine today
             self.paths.store.put(key, files)
         return files
@@ -128,9 +127,9 @@ def _csv(name: str, table: Table) -> Files:
     return {f"{name}.csv": frames.to_csv(pd.DataFrame(table.rows, columns=list(table.header)))}
 
 
-def _report(maker: Maker) -> Files:
+def _report(maker: Maker, table3: bytes) -> Files:
     """The reproduction's page; all pictures are there when it is made."""
-    paths, seconds = maker.paths, frames.read_csv(io.BytesIO(maker.times))
+    paths, seconds = maker.paths, frames.read_csv(io.BytesIO(table3))
     turned = phases.over_phases(paths)
     known = facts.facts(paths, seconds, turned)
     lines = paths.wire(facts.B), paths.partial_wire(facts.frictionless(facts.B))
@@ -147,14 +146,14 @@ def _report(maker: Maker) -> Files:
 
 
 SPRINGS = {"fig4": ("spring-a-no-contact", "spring-a"), "fig6": ("spring-b-no-contact", "spring-b")}
-MAKERS: dict[str, Callable[[Maker], Files]] = {
-    "table1": lambda maker: _csv("table1", report.table1()),
-    "table2": lambda maker: _csv("table2", report.table2()),
-    "table3": lambda maker: {"table3.csv": maker.times},
-    "fig5": lambda maker: maker.curves("fig5", both_models(maker.paths, "spring-a", TIPS), "tip_figure"),
-    "fig7": lambda maker: maker.curves(
+MAKERS: dict[str, Callable[[Maker, bytes], Files]] = {
+    "table1": lambda *_: _csv("table1", report.table1()),
+    "table2": lambda *_: _csv("table2", report.table2()),
+    "table3": lambda _, table3: {"table3.csv": table3},
+    "fig5": lambda maker, _: maker.curves("fig5", both_models(maker.paths, "spring-a", TIPS), "tip_figure"),
+    "fig7": lambda maker, _: maker.curves(
         "fig7", both_models(maker.paths, "spring-b", TIPS[1:2]), "load_figure"
     ),
-    "fig8": lambda maker: maker.curves("fig8", iteration_counts(maker.paths), "iteration_figure"),
+    "fig8": lambda maker, _: maker.curves("fig8", iteration_counts(maker.paths), "iteration_figure"),
     "report": _report,
 }

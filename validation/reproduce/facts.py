@@ -13,7 +13,8 @@ from coilspring import EquilibriumPath, Material, Scene
 from coilspring.curves import Comparison, compare_paths, over_peak
 from coilspring.solver.equilibrium.newton import DECREMENT
 from validation.reproduce.phases import MANY_PAIRS, phase_facts
-from validation.study.cases import CASES, FINE_MESH, PAPER_MESH, Case, PathStore, case
+from validation.study.cases import CASES, FINE_MESH, PAPER_MESH, Case, case
+from validation.study.paths import PathStore
 from validation.view.shapes import overlaps
 
 # Richardson: an error that falls with the square of the element length is this multiple of the

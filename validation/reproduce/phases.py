@@ -5,9 +5,10 @@ import pandas as pd
 
 from coilspring import Scene
 from coilspring.curves import COMPONENTS, compare_paths
-from validation.study.cases import PAPER_MESH, PathStore, case, turned
+from validation.study.cases import PAPER_MESH, case, turned
 from validation.study.document import Table
 from validation.study.partialsolve import ending
+from validation.study.paths import PathStore
 
 DEGREES = tuple(range(0, 360, 30))
 MANY_PAIRS = 20  # sphere pairs per turn so close that their places hardly matter

@@ -14,10 +14,11 @@ from validation.reproduce.claims import FUNCTIONS, claim_table
 from validation.reproduce.facts import converged_error, mesh_error
 from validation.reproduce.phases import phase_table
 from validation.reproduce.times import ITERATIONS
-from validation.study.cases import CASES, PAPER_MESH, PathStore, case
+from validation.study.cases import CASES, PAPER_MESH, case
 from validation.study.document import Table
 from validation.study.frames import view
 from validation.study.partialsolve import ending
+from validation.study.paths import PathStore
 from validation.study.scenes import EXACT_ROD
 from validation.study.style import TIPS
 from validation.study.template import Facts, page, template

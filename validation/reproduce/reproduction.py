@@ -100,7 +100,7 @@ class _Run:
         """What makes artifacts, loaded with both models for the first that is missing."""
         self.progress("loading both models")
         from validation.reproduce.artifacts import Maker
-        from validation.study.cases import PathStore
+        from validation.study.paths import PathStore
 
         return Maker(self.out, PathStore(self.progress, self.store), self.render, self.cleanup)
 
@@ -109,8 +109,7 @@ class _Run:
         mark = self._key(name)
         files = self.store.get(mark)
         if files is None:
-            self.maker.times = self.times if name in TIMED else b""
-            files = self.maker.make(name, mark)
+            files = self.maker.make(name, mark, self.times if name in TIMED else b"")
         page = files.pop(PAGE, None)
         write_files(files, self.out)
         if page is not None:
@@ -145,7 +144,7 @@ class _Run:
     def times(self) -> bytes:
         """Table 3 as CSV: stored times of these sources and this processor, or measured now."""
         here = machine()
-        measuring = ("reproduce.times", "study.timing", "study.cases")
+        measuring = ("reproduce.times", "study.timing", "study.cases", "study.paths", "study.kernels")
         name = key(
             "times",
             sources=sources(*PACKAGES, *(f"validation.{module}" for module in measuring)),

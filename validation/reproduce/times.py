@@ -9,8 +9,9 @@ from collections.abc import Callable
 import pandas as pd
 
 from coilspring import Scene
-from validation.study.cases import CASES, PathStore, solve_beam, solve_wire
+from validation.study.cases import CASES
 from validation.study.machine import machine
+from validation.study.paths import PathStore, solve_beam, solve_wire
 from validation.study.timing import interleaved, median_of, quartiles, within
 
 BUDGET = 3.5  # s of wall time for all rounds together

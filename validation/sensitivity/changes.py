@@ -17,11 +17,12 @@ from coilspring import InputError, Scene
 from coilspring.curves import COMPONENTS, over_peak
 from validation.sensitivity.inputs import OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
-from validation.study.cases import CASES, PathStore
+from validation.study.cases import CASES
 from validation.study.files import write_text
 from validation.study.frames import formatted
 from validation.study.models import BEAM, MODELS, WIRE
 from validation.study.partialsolve import ending
+from validation.study.paths import PathStore
 
 NO_INPUT, COMPLETED = "not an input", "completed"
 ROUNDING = 1e-6  # %: a smaller change counts as none

@@ -16,9 +16,10 @@ from coilspring.errors import require_names
 from validation.sensitivity import changes, tornado
 from validation.sensitivity.changes import CURVE, DEVIATION, Study
 from validation.sensitivity.inputs import INPUTS, KINDS, NAMES, OPEN, SILENT, VARIED, inputs_of
-from validation.study.cases import CASES, make_ready
+from validation.study.cases import CASES
 from validation.study.document import Table
 from validation.study.files import prepare, write_text
+from validation.study.kernels import make_ready
 from validation.study.models import MODELS
 from validation.study.partialsolve import EndedEarly, ending
 from validation.study.provenance import write_provenance

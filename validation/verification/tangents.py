@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 import equivbeam
-from coilspring import EquilibriumPath, Scene, load_scene
+from coilspring import CATALOGUE, EquilibriumPath, Scene, load_scene
 from validation.study import template
 from validation.study.files import write_facts, write_text
 from validation.study.frames import frame_table
@@ -14,7 +14,6 @@ from validation.study.partialsolve import partial_path
 from validation.study.timing import interleaved
 
 PAGE, RECORD = Path("docs/tangents.md"), Path("reports/tangents")
-CASES = ("spring-a", "spring-a-no-contact", "spring-b", "spring-b-no-contact")
 TANGENTS = ("exact", "paper", "paper-printed")
 STEPS = (1, 5, 50, 200)
 PENALTIES = (1e3, 1e4, 1e5, 1e6, 1e7)
@@ -25,7 +24,7 @@ WORDS = template.template(Path(__file__).with_name("tangents.md"))
 def by_case() -> pd.DataFrame:
     """Iterations and time of 50 steps; times are medians of rounds in which the tangents take turns."""
     rows = []
-    for case in CASES:
+    for case in CATALOGUE:
         scene = load_scene(case)
         runs = {
             name: lambda scene=scene, name=name: follow(scene, name, 50).solve_seconds for name in TANGENTS

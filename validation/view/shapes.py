@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from validation.study.cases import case
 from validation.study.document import Table
 
 if TYPE_CHECKING:
-    from validation.study.cases import PathStore
+    from validation.study.paths import PathStore
 
 POINTS_PER_TURN = 80  # of the pictures
 DATA_STRIDE = 4  # of those points, in the CSV files
@@ -52,8 +53,6 @@ def overlaps(circles: np.ndarray, diameter: float) -> np.ndarray:
 
 def shapes(store: PathStore, name: str) -> Shapes:
     """Shapes of a catalogue scene at full load."""
-    from validation.study.cases import case  # with both models, which who draws does not need
-
     scene = case(name).scene
     beam, wire, spring = store.beam(scene), store.wire(scene), scene.spring
     first, last = spring.phase_range
