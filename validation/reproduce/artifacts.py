@@ -26,6 +26,8 @@ from validation.view.process import Drawing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    Draw = Callable[[pd.DataFrame], Figure]
+
 Files = dict[str, bytes]  # by name
 RENDERING = 60.0  # s at most; a picture takes about one
 
@@ -89,9 +91,9 @@ class Maker:
             figure = draw(figures)
             return drawn(figure, name) if lines else {f"{name}.png": png(figure)}
 
-    def curves(self, name: str, data: pd.DataFrame, figure: str) -> Files:
+    def curves(self, name: str, data: pd.DataFrame, drawing: Callable[[ModuleType], Draw]) -> Files:
         """Curves as CSV, and the figure that shows them."""
-        picture = self.picture(name, lambda figures: getattr(figures, figure)(data))
+        picture = self.picture(name, lambda figures: drawing(figures)(data))
         return {f"{name}.csv": frames.to_csv(data, digits=9)} | picture
 
     def _springs(self, name: str, key: str) -> Files:
@@ -150,10 +152,14 @@ MAKERS: dict[str, Callable[[Maker, bytes], Files]] = {
     "table1": lambda *_: _csv("table1", report.table1()),
     "table2": lambda *_: _csv("table2", report.table2()),
     "table3": lambda _, table3: {"table3.csv": table3},
-    "fig5": lambda maker, _: maker.curves("fig5", both_models(maker.paths, "spring-a", TIPS), "tip_figure"),
-    "fig7": lambda maker, _: maker.curves(
-        "fig7", both_models(maker.paths, "spring-b", TIPS[1:2]), "load_figure"
+    "fig5": lambda maker, _: maker.curves(
+        "fig5", both_models(maker.paths, "spring-a", TIPS), lambda figures: figures.tip_figure
     ),
-    "fig8": lambda maker, _: maker.curves("fig8", iteration_counts(maker.paths), "iteration_figure"),
+    "fig7": lambda maker, _: maker.curves(
+        "fig7", both_models(maker.paths, "spring-b", TIPS[1:2]), lambda figures: figures.load_figure
+    ),
+    "fig8": lambda maker, _: maker.curves(
+        "fig8", iteration_counts(maker.paths), lambda figures: figures.iteration_figure
+    ),
     "report": _report,
 }
