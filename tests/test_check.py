@@ -29,6 +29,7 @@ from coilspring.scene.toml import scene_from_text, scene_text
 from validation.cli import main
 from validation.view.check import report
 from validation.view.drawing import draw
+from wirefe.results.linear import held_rate
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 SCENES = (*CATALOGUE, *map(str, EXAMPLES))
@@ -419,3 +420,22 @@ def test_coils_that_are_drawn_far_are_told_as_a_solve_tells():
     assert said.split("; ")[-1] in equivbeam.solve(scene).message
     for force in (20.0, -20.0):
         assert "drawn" not in "".join(report(scene_of(force=force))[0])
+
+
+@pytest.mark.parametrize("coils", [0.5, 1.0, 1.5])
+@pytest.mark.parametrize("held", [("ux", "rotz"), ("ux",), ()])
+def test_the_rate_of_few_coils_is_that_of_the_wire_as_it_is_held(coils, held):
+    """By the wire model to 1e-5. A guided half coil is twice as stiff as formulas have it; check says so."""
+    scene = scene_of(Spring(2.0, 18.0, coils, 4.0 + 4.0 * coils), force=-1e-4, held=held)
+    path = wirefe.solve(scene, steps=1, element="curved", elements_per_turn=8)
+    rate = held_rate(scene)
+    assert -1e-4 / path.tips[-1, 1] == pytest.approx(rate, rel=1e-5)
+    told = [warning for warning in report(scene)[1] if f"a rate of {rate:.4g} N/mm" in warning]
+    assert len(told) == (abs(sizes(scene).rate / rate - 1.0) > 0.1)
+    if coils == 0.5 and "rotz" in held:
+        assert rate > 1.9 * sizes(scene).rate
+
+
+@pytest.mark.parametrize("number", [np.float64(-1.5), np.float32(-1.5), np.array([-1.5]), np.int64(-2)])
+def test_a_displacement_may_be_a_number_of_numpy(number):
+    assert Load(displacement=number) == Load(displacement=(float(np.squeeze(number)),))

@@ -34,7 +34,7 @@ class Load:
     def __post_init__(self) -> None:
         keep_checked(self, "load")
         for name in ("force", "stages", "displacement"):
-            if isinstance(given := getattr(self, name), np.ndarray):
+            if isinstance(given := getattr(self, name), np.ndarray | np.number):
                 object.__setattr__(self, name, given.tolist())
         given = self.force
         object.__setattr__(self, "force", _force("load.force", given))

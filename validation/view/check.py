@@ -17,10 +17,12 @@ from validation.study.models import MODELS
 from validation.study.partialsolve import partial_path
 from validation.study.template import template
 from wirefe.mesh import mesh_wire
+from wirefe.results.linear import held_rate
 from wirefe.solve import require_motion
 
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
 LEFT_OUT = "; its friction, or what makes its coils stick, with --sliding scene alone"
+OFF = 0.1  # share of the rate from which a formula that is off is told
 ELEMENTS_PER_TURN = 40  # of the wire model, where nothing is said
 WORDS = template(Path(__file__).with_name("check.txt"))
 
@@ -43,6 +45,13 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
     if float(f"{angle:.3g}") > STEEPEST:  # as it is printed
         steep = f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}"
         warnings.append(f"{steep}: the formulas leave it out")
+    if scene.spring.active_coils < scenewarnings.LEAST_COILS and scene.supports.seat == "rigid":
+        rate = held_rate(scene)
+        if abs(rate - found.rate) > OFF * rate:
+            warnings.append(
+                f"held by its supports, the wire of so few coils has a rate of {rate:.4g} N/mm at rest, "
+                "which the formulas of rate, closing, deflection, stress and frequency leave out"
+            )
     if scene.supports.seat == "plate":
         warnings.append(
             "the rate is that of rigid end turns: on plates springs are softer, by 6 to 14 % where measured"
