@@ -403,7 +403,7 @@ REFUSED_TEXTS = [
     ),
     ("name = 9" + "9" * 5000, "complete TOML", "digits", ""),
     (sections_text(("force = [0, -10]", "displacement = -16")), "load.displacement", "above -15.5", "-16"),
-    (sections_text(("force = [0, -10]", "stages = [[0, 1], 2]")), "load.stages[2]", "two numbers", "got 2"),
+    (sections_text(("force = [0, -10]", "stages = [[0, 1], 2]")), "load.stages[1]", "two numbers", "got 2"),
     (sections_text(("coils = 2", "coils = 0")), "spring.sections[1].coils", "[0.01, 1000]", "got 0"),
     (sections_text(("coils = 3.5", "coils = '3'")), "spring.sections[2].coils", "number in", "'3'"),
     (sections_text(("coils = 2", "coils = 999")), "sum of the coils", "[0.5, 1000]", "1002.5"),

@@ -54,7 +54,7 @@ class Load:
             raise InputError(f"load takes stages or displacement, not both, got {both}")
         if not isinstance(self.stages, list | tuple):
             raise InputError(f"load.stages must be a list of forces [Fx, Fy], got {shown(self.stages)}")
-        stages = [_force(f"load.stages[{i}]", stage) for i, stage in enumerate(self.stages, 1)]
+        stages = [_force(f"load.stages[{i}]", stage) for i, stage in enumerate(self.stages)]
         object.__setattr__(self, "stages", _changing("load.stages", stages, (0.0, 0.0)))
         if any(self.force) and self.force != stages[-1]:
             raise InputError(
@@ -87,7 +87,7 @@ def _changing(name: str, values: list, start: object) -> tuple:
     """Values reached one after the other, each of which differs from the one before."""
     if not 1 <= len(values) <= MOST_STAGES:
         raise InputError(f"{name} must be 1 to {MOST_STAGES} stages, got {len(values)}")
-    for place, (before, after) in enumerate(zip([start, *values], values, strict=False), 1):
+    for place, (before, after) in enumerate(zip([start, *values], values, strict=False)):
         if before == after:
             raise InputError(f"{name}[{place}] must differ from what it begins with, {before}, got {after}")
     return tuple(values)
