@@ -20,7 +20,7 @@ from equivbeam.shape import BeamShape, element_measures
 # errors reach 32 %.
 TRUSTED = 0.90
 ADVICE = ": use wirefe with 16 or more pairs per turn"
-IN_PLANE = 1e-9  # sine of the start phase
+IN_PLANE = 1e-9  # rad
 # Share of its wire's length up to which the length of a half coil is trusted, and times that at rest, which
 # is a large share where coils are steep. Of 43 random springs of 2 to 10 coils that are pulled, UY by haringx
 # is within 9.4 % of the wire model's before (12.7 % with 2 coils), and off by 10 % at shares of 0.31 to 0.50;
@@ -29,7 +29,7 @@ IN_PLANE = 1e-9  # sine of the start phase
 TAUT, TAUT_HELIX, LONGER = 0.30, 0.65, 1.1
 # Wire diameters by which gaps of circles may differ from those of the wire where it crosses the working
 # plane; gaps that matter are below the second.
-BESIDE, NEAR = 0.03, 0.2
+BESIDE, NEAR = 0.08, 0.2
 
 
 def warning(shape: BeamShape, law: str | UserLaw, states: np.ndarray, times: np.ndarray) -> str:
@@ -55,24 +55,27 @@ def warning(shape: BeamShape, law: str | UserLaw, states: np.ndarray, times: np.
 
 def _beside(shape: BeamShape, states: np.ndarray, times: np.ndarray) -> str:
     """Where circles, which stand at the nodes, are not where a wire that begins beside the working plane
-    crosses it: by how much their least gap is wrong, in the state with the least one and in the lowest."""
-    spring = shape.scene.spring
-    if not len(shape.data.pairs) or abs(math.sin(spring.start_phase)) <= IN_PLANE:
+    crosses it: by how much the gap of a pair is wrong, in the state with the least one and in the lowest."""
+    spring, (first, _) = shape.scene.spring, shape.data.pairs.T
+    off = spring.start_phase - math.pi * round(spring.start_phase / math.pi)
+    if not len(first) or abs(off) <= IN_PLANE:
         return ""
-    own, phases = shape.pair_gaps(states).min(axis=1), spring.circle_phases()
-    ends = np.clip(phases, 0.0, spring.phase_end)
-    moves = ends[2:] != ends[:-2]  # not within one rigid end
-    rows = np.unique([int(np.argmin(own)), int(np.argmin(states[:, -2]))])
-    crossings = np.stack([shape.centreline(state, phases) for state in states[rows]])[..., :2]
-    apart = np.linalg.norm(crossings[:, 2:] - crossings[:, :-2], axis=-1)[:, moves]
-    wire = apart.min(axis=1) - spring.wire_diameter
-    near = np.minimum(wire, own[rows]) < NEAR * spring.wire_diameter
-    row, when = worst(np.where(near, np.abs(wire - own[rows]), 0.0), times[rows])
-    off = abs(wire[row] - own[rows[row]])
-    if not near[row] or off < BESIDE * spring.wire_diameter:
+    phases = spring.circle_phases()
+    ends = (len(shape.data.attached) - len(shape.data.rows) - 1) // 2  # circles of an end turn
+    number = np.round((phases[:-2] + off) / math.pi).astype(int) + ends  # of the circle that stands for it
+    _, pairs, crossings = np.intersect1d(first, number, return_indices=True)
+    own = shape.pair_gaps(states)
+    rows = np.unique([int(np.argmin(own.min(axis=1))), int(np.argmin(states[:, -2]))])
+    centres = np.stack([shape.centreline(state, phases) for state in states[rows]])[..., :2]
+    wire = np.linalg.norm(centres[:, 2:] - centres[:, :-2], axis=-1)[:, crossings] - spring.wire_diameter
+    own = own[rows][:, pairs]
+    wrong = np.where(np.minimum(wire, own) < NEAR * spring.wire_diameter, np.abs(wire - own), 0.0)
+    row, when = worst(wrong.max(axis=1, initial=0.0), times[rows])
+    if wrong[row].max(initial=0.0) < BESIDE * spring.wire_diameter:
         return ""
+    pair = int(np.argmax(wrong[row]))
     return (
-        f"; but{when} the least gap of circles is {own[rows[row]]:.2g} mm, and {wire[row]:.2g} mm where the "
+        f"; but{when} a gap of circles is {own[row, pair]:.2g} mm, and {wire[row, pair]:.2g} mm where the "
         "wire, which begins beside the working plane, crosses it: contact may be wrong: use wirefe"
     )
 

@@ -301,20 +301,31 @@ def test_budget_of_iterations():
     assert spent[1] <= 1.1 * spent[0]
 
 
-@pytest.mark.parametrize("diameters", [(20.0, 14.0), (14.0, 20.0)])
-def test_circles_that_are_not_where_the_wire_crosses_the_plane_are_told(diameters):
-    """One spring, either end up: coils that overlap by 0.28 mm and are 0.07 mm apart as circles; and coils
-    that touch as circles and are 0.21 mm apart. Nothing is said of a wire that begins in the plane, nor where
-    nothing comes near."""
+@pytest.mark.parametrize(
+    ("diameters", "circles", "wire"), [((20.0, 14.0), 0.21, -0.28), ((14.0, 20.0), -0.00062, 0.48)]
+)
+def test_circles_that_are_not_where_the_wire_crosses_the_plane_are_told(diameters, circles, wire):
+    """One spring, either end up: coils that overlap and are apart as circles, and the other way round. In
+    the plane, or where nothing comes near, nothing is said."""
     spring = Spring(2.0, diameters, 5.0, 24.0, start_phase=0.5 * np.pi)
     cone = Scene("cone", spring, Load((0.0, -60.0), 4), supports=Supports(("ux", "rotz")), contact=Contact())
     path = equivbeam.solve(cone, law="helix")
+    assert f"a gap of circles is {circles:.2g} mm, and {wire:.2g} mm where the wire" in path.message
     centres = path.circle_centres(-1)
-    gap = np.linalg.norm(centres[2:] - centres[:-2], axis=1).min() - 2.0
-    assert f"the least gap of circles is {path.gaps[-1].min():.2g} mm, and {gap:.2g} mm where" in path.message
+    gaps = np.linalg.norm(centres[2:] - centres[:-2], axis=1) - 2.0
+    assert np.abs(gaps - wire).min() < 0.005
     for quiet in (
         replace(cone, spring=replace(spring, start_phase=np.pi)),
         replace(cone, load=Load((0.0, -20.0), 4)),
         cone.without_contact(),
     ):
         assert "circles" not in equivbeam.solve(quiet, law="helix").message
+
+
+@pytest.mark.parametrize("phase", [-1e-6, 1e-6, 0.1, 0.5, 0.5 * np.pi])
+@pytest.mark.parametrize(("coils", "ends"), [(5.0, 1.0), (2.5, 0.75), (1.0, 0.0)])
+def test_circles_of_wires_that_nothing_comes_near_are_not_told(phase, coils, ends):
+    """Not of a crossing in an end turn and one beside it, which close the coil; of one coil there are two."""
+    spring = Spring(1.5, 12.0, coils, 1.0 + 4.0 * coils, end_turns=ends, start_phase=phase)
+    scene = Scene("cylinder", spring, Load((0.0, -1.0), 1), contact=Contact())
+    assert "circles" not in equivbeam.solve(scene, law="helix").message

@@ -181,9 +181,34 @@ def test_a_pair_slides_with_the_bound_that_it_meets():
     work = 0.5 * (350.0 + 300.0) * 100.0 / K
     assert pair_friction(g, row, LAW).work == pytest.approx(work)
     assert accepted(row, g, 0.3).work == pytest.approx(work)
-    row.bound, row.gap = 0.0, 0.01
+    row.bound = 0.0
     g = tilted(300.0 / K / D, D + 0.01)
     work = 0.5 * 1200.0 / 7.0 * 200.0 / K
+    assert pair_friction(g, row, LAW).work == pytest.approx(work)
+    assert pair_friction(g, row, LAW).slip == pytest.approx(200.0 / K)
+    assert accepted(row, g, 0.3).work == pytest.approx(work)
+    assert accepted(row, g, 0.3).slid == pytest.approx(200.0 / K)
+
+
+def test_the_work_of_a_pair_that_opens_does_not_depend_on_its_lead():
+    """From 300 N one way to 700 N the other way, and half way it opens; its reference is ahead, or is not."""
+    works = []
+    for ahead in (0.0, 0.02, -0.02):
+        row = sliding(0.0)
+        row.held, row.before, row.deep, row.ahead = 300.0, -0.03 - ahead, 0.01, ahead
+        g = tilted((0.07 - ahead) / D, D + 0.01)
+        works.append([pair_friction(g, row, LAW).work, accepted(row, g, 0.3).work])
+    slip = 0.5 * (0.07 - 0.03)
+    share = (300.0 + 0.03 * K) / (300.0 + 0.03 * K + K * slip)
+    np.testing.assert_allclose(works, 0.5 * 300.0 * (1.0 - share) * slip)
+
+
+def test_a_pair_that_opens_before_it_turns_round_gives_up_what_it_held():
+    """From -300 N it would hold 100 N at the end, and opens after a tenth of that: at -260 N."""
+    row = sliding(0.0)
+    row.held, row.before, row.deep = 300.0, -300.0 / K, 0.001
+    g = tilted(100.0 / K / D, D + 0.009)
+    work = 0.5 * 300.0 * 260.0 / K
     assert pair_friction(g, row, LAW).work == pytest.approx(work)
     assert accepted(row, g, 0.3).work == pytest.approx(work)
 

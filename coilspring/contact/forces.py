@@ -21,9 +21,9 @@ def normal_forces(penetrations: np.ndarray, K: float | np.ndarray, k: float) -> 
     return forces
 
 
-def tangential_forces(length: np.ndarray, histories: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Tangential forces of pairs at lengths of slip, N; by how much they slip in the substep at hand, mm, and
-    the work that takes, N mm.
+def tangential_forces(length: np.ndarray, gaps: np.ndarray, histories: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Tangential forces of pairs at lengths of slip and gaps, N; by how much they slip in the substep at
+    hand, mm, and the work that takes, N mm.
     """
     K = histories["stiffness"]
     stiffness = K * histories["closed"] * (1.0 - histories["released"])
@@ -33,26 +33,27 @@ def tangential_forces(length: np.ndarray, histories: np.ndarray) -> tuple[np.nda
     rise = bound * histories["rise"]
     slip = np.where(slides, (force - bound) / np.where(slides, stiffness + rise, 1.0), 0.0)
     force = np.where(slides, bound + rise * slip, force)
-    slip += np.where(slides, histories["ahead"], 0.0)
     held = np.where(histories["held"] < np.inf, histories["held"], 0.0)  # not known of what touched at rest
-    work = _sliding_work(length, histories, held, force) * slides
+    slip, work = (slides * each for each in _sliding(length, gaps, histories, held, force))
     stretch = force / np.where(gives, K, 1.0)
     given = 0.5 * (held * length + force * (length - histories["before"] - stretch))
     return force, np.where(gives, length - stretch, slip), np.where(gives, given, work)
 
 
-def _sliding_work(
-    length: np.ndarray, histories: np.ndarray, held: np.ndarray, force: np.ndarray
-) -> np.ndarray:
-    """See `coilspring.contact.touching.sliding_work`; `held` were the bounds before,
-    `force` is what is held now."""
-    before, deep, apart = histories["before"], histories["deep"], np.maximum(histories["gap"], 0.0)
-    closed = np.divide(deep, deep + apart, out=np.ones_like(deep), where=apart > 0.0)
-    sticking = histories["stiffness"] * (before + (length - before) * closed)
-    left, beyond = np.maximum(held - histories["whole"] * before, 0.0), sticking - force
+def _sliding(
+    length: np.ndarray, gaps: np.ndarray, histories: np.ndarray, held: np.ndarray, force: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """See `coilspring.contact.touching.sliding`; bounds before, and the force held now."""
+    begin, end = histories["before"] + histories["ahead"], length + histories["ahead"]
+    deep, apart = histories["deep"], np.maximum(gaps, 0.0)
+    share = np.divide(deep, deep + apart, out=np.ones_like(deep + apart), where=apart > 0.0)
+    end = begin + share * (end - begin)
+    begin, end = np.where(end < 0.0, -begin, begin), np.abs(end)
+    left = np.maximum(held - histories["whole"] * begin, 0.0)
+    beyond = np.maximum(histories["stiffness"] * end - force, 0.0)
     share = np.divide(left, left + beyond, out=np.zeros_like(beyond), where=left > 0.0)
     slip = np.divide(beyond, histories["stiffness"], out=np.zeros_like(beyond), where=beyond > 0.0)
-    return 0.5 * (held + share * (force - held) + force) * (slip + histories["ahead"])
+    return slip, 0.5 * (held + share * (force - held) + force) * slip
 
 
 def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Friction:
@@ -72,7 +73,7 @@ def pair_friction(vectors: np.ndarray, histories: np.ndarray, law: Any) -> Frict
     sine = np.sqrt(square * (1.0 - 0.25 * square))
     angle = 2.0 * np.arcsin(np.minimum(0.5 * np.sqrt(square), 1.0))
     length = np.where(arcs, d * angle, np.linalg.norm(stuck, axis=-1))
-    force, slip, work = tangential_forces(length, histories)
+    force, slip, work = tangential_forces(length, h - d, histories)
     along = np.where(arcs[..., None], chord - 0.5 * square[..., None] * n, stuck)
     # of an arc on its arm d, over the size of the vector along it
     share = np.where(arcs, force * d / h, force) / np.where(force > 0.0, np.where(arcs, sine, length), 1.0)

@@ -38,7 +38,10 @@ PAIR_HISTORY = np.dtype(
         ("grazes", "?"),  # it has opened so and touches again: it gives way so that it just touches
         ("released", "f8"),  # share of its tangential stiffness that is taken away in the trial state,
         ("kept", "f8"),  # and that was left in the last accepted one
-        ("before", "f8"),  # how far it was stretched tangentially in that, mm,
+        (
+            "before",
+            "f8",
+        ),  # how far it was stretched tangentially in that, along its slip now, mm,
         ("deep", "f8"),  # and how far one with friction penetrated, mm
         ("least", "f8"),  # share that is left to a grazing pair: with this it is pressed,
         ("most", "f8"),  # and with this it opens, in the substep at hand

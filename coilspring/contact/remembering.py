@@ -99,6 +99,18 @@ def accept(geometry, law, there, history):
 
 
 @inlined
+def _along(slip, direction):
+    """Part of a slip, its length and direction or vector, along the direction of another one."""
+    length, own = slip
+    square = own[0] * own[0] + own[1] * own[1] + own[2] * own[2]
+    other = direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]
+    if square * other == 0.0:
+        return 0.0
+    cosine = own[0] * direction[0] + own[1] * direction[1] + own[2] * direction[2]
+    return length * cosine / math.sqrt(square * other)
+
+
+@inlined
 def update(geometry, law, places, history):
     """Update the contact history with a trial state, from what is there in the accepted, the predicted and
     the trial state: which pairs touch since, and where they did first; and the bounds of the tangential
@@ -152,5 +164,7 @@ def update(geometry, law, places, history):
             geometry.lead(row)
             length, direction = geometry.slip(law, there, m, row, e)
             change = max(change, bound, update_bound(length, bound, d, row))
+        if not row.fresh:
+            row.before = _along(geometry.slip(law, before, m, row, e), direction)
         row.ahead = geometry.ahead(law, there, m, row, direction, length)
     return change / most if change > 0.0 else 0.0

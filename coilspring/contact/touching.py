@@ -26,29 +26,32 @@ def slid(length, row, gap):
     slip = (row.stiffness * length - row.bound) / (row.stiffness + row.bound * row.rise)
     if slip > 0.0:
         row.bound *= 1.0 + row.rise * slip
-        row.work += sliding_work(row, length, gap)
+        gone, work = sliding(row, length, gap)
         slip += row.ahead
-        row.slid += slip
+        row.slid += gone
+        row.work += work
     row.held, row.deep = (row.bound, -gap) if row.closed else (0.0, 0.0)
     row.stride, row.wanted, row.ahead = slip if slip > 0.0 else 0.0, 0.0, 0.0
-    row.before = row.bound / row.stiffness if slip > 0.0 else length
-    return row.before
+    return row.bound / row.stiffness if slip > 0.0 else length
 
 
 @inlined
-def sliding_work(row, length, gap):
-    """Work of friction in a substep in which a pair slides, or opens, N mm.
+def sliding(row, length, gap):
+    """What a pair slips in a substep in which it slides, or opens, mm, and the work that takes, N mm.
 
-    In between the stretch, the bound and the gap are taken to change evenly. The pair sticks until its force
-    comes to its bound, and from there on it holds that, until it opens.
+    In between its stretch, the bound and the gap are taken to change evenly. The pair sticks until its force
+    comes to its bound, and from there on it holds that, until it opens and moves freely.
     """
     bound = row.held if row.held < math.inf else 0.0  # not known of what touched at rest
+    begin, end = row.before + row.ahead, length + row.ahead
     if gap > 0.0:
-        length = row.before + (length - row.before) * row.deep / (row.deep + gap)
-    left, beyond = max(bound - row.whole * row.before, 0.0), row.stiffness * length - row.bound
+        end = begin + (end - begin) * row.deep / (row.deep + gap)
+    if end < 0.0:  # it opens before it has turned round
+        begin, end = -begin, -end
+    left, beyond = max(bound - row.whole * begin, 0.0), row.stiffness * end - row.bound
     share = left / (left + beyond) if left > 0.0 else 0.0
-    slip = length - row.bound / row.stiffness + row.ahead
-    return 0.5 * (bound + share * (row.bound - bound) + row.bound) * slip
+    slip = end - row.bound / row.stiffness
+    return slip, 0.5 * (bound + share * (row.bound - bound) + row.bound) * slip
 
 
 @inlined

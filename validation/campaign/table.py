@@ -73,7 +73,7 @@ def row_text(row: Row) -> str:
 def kept(target: Path, seeds: Sequence[int], version: str) -> set[Key]:
     """Keys of a file's rows of some seeds and one version; the others, and a last line that was cut, go."""
     found = whole_rows(target, COLUMNS)
-    rows = [row for row in found if int(row["seed"]) in seeds and row["version"] == version]
+    rows = [row for row in found if row["seed"] in map(str, seeds) and row["version"] == version]
     write(rows, target, COLUMNS)
     return {_key(row) for row in rows}
 

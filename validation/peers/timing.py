@@ -1,6 +1,7 @@
 """CPU time of the wire model and of OpenSees on one mesh: ``python -m validation.peers.timing``.
 
-It writes the page and what findings are computed from. Exit code 1: the tips are not the same.
+It writes the page and what findings are computed from. Exit code 1: the tips are not the same; 2: OpenSees is
+missing, or a path ends early.
 """
 
 import sys
@@ -153,4 +154,8 @@ def main(folder: Path = FOLDER) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except (InputError, EndedEarly) as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)

@@ -14,10 +14,13 @@ Row = dict[str, str]  # texts by column
 def whole_rows(file: Path, columns: Sequence[str]) -> list[Row]:
     """Rows of a file, without a line that was cut; none where there is no file or its columns are others."""
     text = (content_of(file) or b"").decode("utf-8", errors="replace")  # it may be of another program
-    lines = csv.reader(io.StringIO(text[: text.rfind("\n") + 1]))
-    if next(lines, None) != list(columns):
+    try:
+        lines = [*csv.reader(io.StringIO(text[: text.rfind("\n") + 1]))]
+    except csv.Error:
         return []
-    return [dict(zip(columns, line, strict=True)) for line in lines if len(line) == len(columns)]
+    if lines[:1] != [list(columns)]:
+        return []
+    return [dict(zip(columns, line, strict=True)) for line in lines[1:] if len(line) == len(columns)]
 
 
 def write(rows: Iterable[Mapping[str, object]], file: Path, columns: Sequence[str]) -> None:

@@ -98,7 +98,8 @@ class WireShape(PairReader):
         if not (len(contact.pairs) and of_wires(contact.parts)):
             return super().pair_friction(states, histories)
         n = contact_vectors(contact, states)
-        n /= np.linalg.norm(n, axis=-1, keepdims=True)
+        h = np.linalg.norm(n, axis=-1, keepdims=True)
+        n /= h
         centres = contact_centres(contact, states)
         first, second = (
             centres[:, side]
@@ -108,7 +109,7 @@ class WireShape(PairReader):
         slip = second - first
         slip -= (slip * n).sum(axis=-1, keepdims=True) * n
         length = np.linalg.norm(slip, axis=-1)
-        force, more, work = tangential_forces(length, histories)
+        force, more, work = tangential_forces(length, h[..., 0] - contact.d, histories)
         share = np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
         return Friction(
             force=share[..., None] * slip,
