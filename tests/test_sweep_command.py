@@ -146,6 +146,7 @@ def test_keys_that_exclude_each_other_and_grids_too_large_are_refused(texts, wor
         ),
         ("contact.sliding=free,none --sliding ignore", "it goes with --sliding scene or --model wirefe"),
         ("factors.axial=1,1.1 --model wirefe", "no effect on wirefe: it goes with --model equivbeam"),
+        ("factors.axial=1,1.1 --accuracy 1e-2", "no effect on wirefe: it goes with --model equivbeam"),
         ("material.density=7800,7900 --model wirefe", "no effect on a sweep: it goes with solve --freq"),
         ("material.density=7800,7900 --accuracy 1e-2", "no effect on a sweep: it goes with solve --freq"),
     ],
@@ -167,6 +168,23 @@ def test_what_is_read_is_varied(tmp_path):
     assert free != held
     assert main([*call[:2], "--vary", "load.force.1=-9", "--geometry", "wires", "--accuracy", "1e-2",
                  *call[4:], "--out", str(tmp_path)]) == 0  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("scene", "vary", "idle"),
+    [
+        ("spring-b-no-contact", "contact.stiffness=1e3,1e4", ["contact.stiffness"]),
+        ("spring-b-no-contact", "contact.geometry=wires,spheres --model wirefe", ["contact.geometry"]),
+        ("spring-b", "contact.stiffness=1e3,1e4 --vary contact.enabled=true,false", []),
+        ("spring-b", "spring.active_coils=7,7.3 --vary spring.hand=left,right", ["spring.hand"]),
+        ("spring-b", "contact.stiffness=1e3", []),
+    ],
+)
+def test_what_moves_nothing_in_any_scene_is_said(scene, vary, idle, tmp_path, capsys):
+    """Rows were alike without a word."""
+    assert main(["sweep", scene, "--vary", *vary.split(), *ONE, "--out", str(tmp_path)]) in (0, 3)
+    said = [line for line in capsys.readouterr().out.splitlines() if line.startswith("warning")]
+    assert said == [f"warning: {key} has no effect on any scene of the grid" for key in idle]
 
 
 def test_a_row_for_each_scene_in_order_and_invalid_ones_say_why(tmp_path, capsys):

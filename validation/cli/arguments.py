@@ -201,8 +201,11 @@ def refuse_other_models(arguments: argparse.Namespace, chosen: Sequence[str] = C
 
 
 def refuse_varied(arguments: argparse.Namespace, keys: Sequence[str]) -> None:
-    """Refuse to vary keys of a scene that an option sets for all scenes, or that the model does not read."""
-    unread = UNSWEPT | ({} if arguments.accuracy is not None else UNREAD[arguments.model])
+    """Refuse to vary keys of a scene that an option sets for all scenes, or that the model does not read.
+
+    With an accuracy that is the wire model, against which it is taken, whatever is chosen for it.
+    """
+    unread = UNSWEPT | UNREAD[arguments.model]
     for key in keys:
         if key in KEYWORDS and given(arguments, [KEYWORDS[key]]):
             raise InputError(f"{flag(KEYWORDS[key])} cannot stand beside --vary {key}, which sets the same")

@@ -205,7 +205,8 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
 
     table = written_table(scene, arguments.scene)
     varied = grid.read_varied(arguments.vary, table)
-    refuse_varied(arguments, [each.key for each in varied])
+    keys = [each.key for each in varied]
+    refuse_varied(arguments, keys)
     progress(f"loading {model}")
     progress = announcing(progress, model, scene)
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
@@ -220,9 +221,9 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
         solver, kept = found.candidate if found else lambda scene: asked, run.kept_files(folder)
         count = _counted(progress)
         rows = run.sweep(folder, table, varied, solver, workers=workers, progress=count, about=told)
-        run.write_picture(folder, rows, [each.key for each in varied], scene, solver(scene).model)
+        run.write_picture(folder, rows, keys, scene, solver(scene).model)
         lines += [f"the sweep that was there is kept in {file}" for file in run.kept_files(folder) - kept]
-    return [*lines, *run.digest(rows), f"written to {folder}"], run.ended_early(rows)
+    return [*lines, *run.digest(rows, keys), f"written to {folder}"], run.ended_early(rows)
 
 
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

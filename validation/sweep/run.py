@@ -206,11 +206,20 @@ def write_picture(folder: Path, rows: Sequence[Row], keys: Sequence[str], scene:
     write_bytes(folder / PICTURE, draw(rows, keys[0], scene.name, model, prescribed))
 
 
-def digest(rows: Sequence[Row]) -> list[str]:
-    """How many rows have which outcome, for a reader at the terminal."""
+def digest(rows: Sequence[Row], keys: Sequence[str]) -> list[str]:
+    """How many rows have which outcome, and which of the varied keys move nothing, for a reader at the
+    terminal."""
     found = Counter(row["outcome"] for row in rows)
     counts = ", ".join(f"{count} {outcome.replace('_', ' ')}" for outcome, count in found.most_common())
-    return [f"{counted(len(rows), 'spring')}: {counts}"]
+    idle = [f"warning: {key} has no effect on any scene of the grid" for key in keys if _is_idle(rows, key)]
+    return [f"{counted(len(rows), 'spring')}: {counts}", *idle]
+
+
+def _is_idle(rows: Sequence[Row], key: str) -> bool:
+    """Whether a key has several values, and each row comes once with every one of them."""
+    count = len({row[key] for row in rows})
+    others = {tuple(text for name, text in row.items() if name not in (key, "key")) for row in rows}
+    return count > 1 and count * len(others) == len(rows)
 
 
 def ended_early(rows: Sequence[Row]) -> str:
