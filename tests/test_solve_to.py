@@ -491,7 +491,8 @@ def test_a_sweep_takes_the_cheapest_that_a_sample_supports(asked, model, tmp_pat
     for point in grid:  # also those not in the sample
         fine = wirefe.solve(point.scene, element="curved", elements_per_turn=16)
         assert difference(found.candidate(point.scene)(point.scene), fine) <= asked
-    rows = run.sweep(tmp_path, scene_table(spring_a()), varied, found.candidate, workers=0)
+    table = scene_table(spring_a())
+    rows = run.sweep(tmp_path, table, varied, list(points(table, varied)), found.candidate, workers=0)
     assert [row["outcome"] for row in rows] == ["completed"] * 3
 
 

@@ -11,7 +11,7 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import InputError, Load, Material, Scene, Spring, load_scene, spring_a, spring_b
+from coilspring import InputError, Load, Material, Scene, Spring, load_scene, scene_text, spring_a, spring_b
 from coilspring.scene.profile import CoilSection
 from coilspring.scene.toml import scene_from_table, scene_table, written_table
 from coilspring.sweep import CRASHED
@@ -187,6 +187,22 @@ def test_what_moves_nothing_in_any_scene_is_said(scene, vary, idle, tmp_path, ca
     assert said == [f"warning: {key} has no effect on any scene of the grid" for key in idle]
 
 
+def test_what_of_a_scene_is_left_out_is_said_once(tmp_path, capsys):
+    """As `solve` says it; nothing was said."""
+    target = tmp_path / "own.toml"
+    text = scene_text(spring_b()).replace("axial = 1.0", "axial = 1.1")
+    target.write_text(text, encoding="utf-8")
+    call, grid = [str(target), *ONE[2:], "--out", str(tmp_path)], ["--vary", "load.force.1=-30,-40"]
+    for options in (["equivbeam"], ["equivbeam", "--sliding", "scene"], ["wirefe"]):
+        said = []
+        for command in (["solve", *call], ["sweep", *call, *grid, "--workers", "0"]):
+            assert main([*command, "--model", *options]) == 0
+            out = capsys.readouterr().out.splitlines()
+            said.append([line.strip() for line in out if "without the scene's" in line])
+        assert said[0] == said[1]
+        assert len(said[0]) == ("--sliding" not in options)
+
+
 def test_a_row_for_each_scene_in_order_and_invalid_ones_say_why(tmp_path, capsys):
     grid = ["--vary", "spring.active_coils=7,7.3", "--vary", "load.force.1=-100,-50"]
     assert main(["sweep", "spring-b", *grid, "--workers", "0", "--steps", "2", "--out", str(tmp_path)]) == 3
@@ -248,7 +264,15 @@ GRID = [Varied("load.force.1", (-40.0, -60.0, -80.0, -100.0))]
 def solved_again(folder, grid, choose=lambda scene: BEAM):
     """Rows of a sweep, and how many scenes it has solved."""
     done = []
-    found = run.sweep(folder, AT_ONCE, grid, choose, workers=0, progress=lambda *count: done.append(count))
+    found = run.sweep(
+        folder,
+        AT_ONCE,
+        grid,
+        list(points(AT_ONCE, grid)),
+        choose,
+        workers=0,
+        progress=lambda *count: done.append(count),
+    )
     return found, len(done) - 1
 
 
@@ -259,7 +283,15 @@ def test_an_interrupted_sweep_keeps_its_rows_and_goes_on(tmp_path):
 
     said = f"2 of 4 rows are in {tmp_path / FILE}; the same command goes on"
     with pytest.raises(KeyboardInterrupt, match=re.escape(said)):
-        run.sweep(tmp_path, AT_ONCE, GRID, lambda scene: BEAM, workers=0, progress=interrupt)
+        run.sweep(
+            tmp_path,
+            AT_ONCE,
+            GRID,
+            list(points(AT_ONCE, GRID)),
+            lambda scene: BEAM,
+            workers=0,
+            progress=interrupt,
+        )
     assert [row["load.force.1"] for row in rows(tmp_path)] == ["-40.0", "-60.0"]
     text = (tmp_path / FILE).read_text().replace("the load path", "READ: the load path", 1)
     (tmp_path / FILE).write_text(text[:-40])  # and the last line is cut
@@ -289,6 +321,7 @@ def test_a_spring_of_the_wire_model_is_kept_while_another_is_solved(first, worke
         tmp_path,
         AT_ONCE,
         grid,
+        list(points(AT_ONCE, grid)),
         lambda scene: WIRE if scene.load.force[1] == first else after,
         workers=workers,
     )
@@ -350,7 +383,7 @@ def test_options_that_differ_from_scene_to_scene_are_told_apart(tmp_path):
         )
 
     grid = [Varied("contact.geometry", ("wires", "spheres")), Varied("spring.active_coils", (7.5, -1.0))]
-    run.sweep(tmp_path, AT_ONCE, grid, choose, workers=0)
+    run.sweep(tmp_path, AT_ONCE, grid, list(points(AT_ONCE, grid)), choose, workers=0)
     found = json.loads((tmp_path / SETTINGS).read_text())
     assert (found["model"], found["options"]) == ("wirefe", {})
     assert found["differing"] == {"elements_per_turn": [8, 4], "element": ["straight", "curved"]}
@@ -361,7 +394,9 @@ def test_kernels_of_plates_are_stored_before_a_worker_needs_them(tmp_path, monke
     monkeypatch.setattr("coilspring.sweep.store", kernels.append)
     table = scene_table(load_scene("examples/plates.toml").with_steps(1))
     grid = [Varied("supports.seat", ("plate", "rigid"))]
-    found = run.sweep(tmp_path, table, grid, lambda scene: run.Choice.of("wirefe", {}), workers=1)
+    found = run.sweep(
+        tmp_path, table, grid, list(points(table, grid)), lambda scene: run.Choice.of("wirefe", {}), workers=1
+    )
     assert [row["outcome"] for row in found] == ["completed", "completed"]
     assert kernels == [SEATED, KERNELS]
 
@@ -384,14 +419,15 @@ def test_two_models_agree_on_the_stiffness_of_a_sweep(tmp_path):
     for choice in (BEAM, WIRE):
         (tmp_path / choice.model).mkdir()
         table = scene_table(replace(spring_b().without_contact(), load=Load((0.0, -0.1), 1)))
-        thin, thick = run.sweep(tmp_path / choice.model, table, grid, lambda scene, c=choice: c, workers=0)
+        scenes = list(points(table, grid))
+        thin, thick = run.sweep(
+            tmp_path / choice.model, table, grid, scenes, lambda scene, c=choice: c, workers=0
+        )
         ratios.append(float(thin["uy"]) / float(thick["uy"]))
     np.testing.assert_allclose(ratios, (1.2 / 0.9) ** 4, rtol=5e-3)
 
 
 def test_a_scene_file_is_found_again_by_its_content(tmp_path):
-    from coilspring import scene_text
-
     file = tmp_path / "mine.toml"
     file.write_text(scene_text(spring_a()))
     call = ["sweep", str(file), "--vary", "load.force.1=-2,-4", *ONE, "--out", str(tmp_path / "out")]

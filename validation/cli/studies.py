@@ -23,7 +23,7 @@ from validation.cli.arguments import (
     scene_of,
     scenes_of,
 )
-from validation.cli.terminal import announcing
+from validation.cli.terminal import announcing, left_out
 from validation.study.files import claimed, json_bytes, prepare, write_files, write_text, writing
 from validation.study.output import write_runs
 
@@ -211,19 +211,23 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     progress = announcing(progress, model, scene)
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
     told: dict[str, object] = {"overridden": given(arguments, COMMON_OPTIONS), **run.UNASKED}
+    points = list(grid.points(table, varied))
     with claimed(folder), writing(folder):
         if accuracy is not None:
             from validation.sweep.choice import choose
 
-            found = choose(list(grid.points(table, varied)), varied, accuracy, progress)
+            found = choose(points, varied, accuracy, progress)
             lines.append(found.line)
             told |= {"accuracy": accuracy, "estimated_error": found.error, "sampled": found.sampled}
         solver, kept = found.candidate if found else lambda scene: asked, run.kept_files(folder)
         count = _counted(progress)
-        rows = run.sweep(folder, table, varied, solver, workers=workers, progress=count, about=told)
-        run.write_picture(folder, rows, keys, scene, solver(scene).model)
+        rows = run.sweep(folder, table, varied, points, solver, workers=workers, progress=count, about=told)
+        choices = [(point.scene, solver(point.scene)) for point in points if point.scene]
+        run.write_picture(folder, rows, keys, scene, choices[0][1].model)
         lines += [f"the sweep that was there is kept in {file}" for file in run.kept_files(folder) - kept]
-    return [*lines, *run.digest(rows, keys), f"written to {folder}"], run.ended_early(rows)
+    lines += run.digest(rows, keys)
+    lines += dict.fromkeys(line for each, by in choices for line in left_out(each, by.model, by.options))
+    return [*lines, f"written to {folder}"], run.ended_early(rows)
 
 
 def export(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

@@ -2,10 +2,10 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
-from typing import TextIO
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -116,12 +116,7 @@ def digest(path: EquilibriumPath) -> list[str]:
 
 def notes(path: EquilibriumPath) -> list[str]:
     """What a reader must know to compare a path with another model's."""
-    contact, said = path.scene.contact, []
-    if contact.enabled and contact.sliding != "free" and path.options.get("sliding") == "ignore":
-        said.append(
-            f"without the scene's sliding = \"{contact.sliding}\", as the paper's model: "
-            "--sliding scene has it"
-        )
+    contact, said = path.scene.contact, left_out(path.scene, path.model, path.options)
     if path.model == "equivbeam" and path.options["law"] == "haringx":
         from validation.study.lawwarning import law_warning  # imports the model, which is there by now
 
@@ -136,10 +131,20 @@ def notes(path: EquilibriumPath) -> list[str]:
             said.append(SLIPPING[kind])
     if path.outcome == "interpenetration" and path.model == "wirefe" and contact.geometry == "spheres":
         said.append("between spheres coils may pass each other: see --geometry wires")
-    if path.model == "wirefe" and path.scene.factors.given:
-        said.append("without the scene's [factors], which are of the equivalent beam's stiffnesses alone")
     if path.outcome == "completed" and "; " in path.message:
         said.append(path.message.partition("; ")[2].removeprefix("but "))
+    return said
+
+
+def left_out(scene: Scene, model: str, options: Mapping[str, Any]) -> list[str]:
+    """What of a scene a model does not have, with these options of its `solve`."""
+    said, sliding = [], scene.contact.sliding if scene.contact.enabled else "free"
+    if model == "equivbeam" and sliding != "free" and options.get("sliding") != "scene":
+        said.append(
+            f"without the scene's sliding = \"{sliding}\", as the paper's model: --sliding scene has it"
+        )
+    if model == "wirefe" and scene.factors.given:
+        said.append("without the scene's [factors], which are of the equivalent beam's stiffnesses alone")
     return said
 
 

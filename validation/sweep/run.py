@@ -21,7 +21,7 @@ from validation.study.keys import run_key
 from validation.study.machine import versions
 from validation.study.rows import Row, append, whole_rows, write
 from validation.study.texts import number_of
-from validation.sweep.grid import Point, Varied, points
+from validation.sweep.grid import Point, Varied
 
 CHUNK = {"equivbeam": 16, "wirefe": 1}  # springs handed to a worker at a time: lost where it is interrupted
 FILE, PICTURE, SETTINGS = "sweep.csv", "sweep.png", "sweep.json"
@@ -60,21 +60,21 @@ def sweep(
     folder: Path,
     table: Mapping[str, Any],
     varied: Sequence[Varied],
+    grid: Sequence[Point],
     choose: Callable[[Scene], Choice],
     *,
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, of: None,
     about: Mapping[str, object] = UNASKED,
 ) -> list[Row]:
-    """Solve all combinations of the values, and write ``sweep.csv``: a row for each, in their order; and
+    """Solve the scenes of a grid, and write ``sweep.csv``: a row for each point, in their order; and
     ``sweep.json``: the scene, the values, how they are solved, and what else is known `about` them.
 
     A row is in the file as soon as its scene is solved. Rows that are there already from the same scenes,
     options and sources are not solved again; a file with any others is kept under another name, see
-    `kept_files`. `table` has the keys of the scene; `workers`: see `coilspring.sweep.outcomes`; `progress`
-    is called with the number of scenes done and of all.
+    `kept_files`. `table` has the keys of the scene that is `varied`; `workers`: see
+    `coilspring.sweep.outcomes`; `progress` is called with the number of scenes done and of all.
     """
-    grid = list(points(table, varied))
     if not any(point.scene for point in grid):  # before anything that is there is replaced
         raise InputError(f"no scene can be solved: {grid[0].refused}")
     tasks = [(point.scene, choose(point.scene)) if point.scene else None for point in grid]
