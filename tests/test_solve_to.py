@@ -29,7 +29,7 @@ from coilspring.scene.toml import scene_table
 from validation.cli import main
 from validation.study.partialsolve import partial_path
 from validation.sweep import choice, run
-from validation.sweep.grid import points, read_varied
+from validation.sweep.grid import Varied, points, read_varied
 from validation.verification import requested, requestedruns
 from validation.verification.requestedpage import prepared, summary
 from wirefe import trials
@@ -550,6 +550,13 @@ def test_sample_of_a_grid():
     assert corners <= {point.scene.load.force for point in found}
     assert 8 <= len(found) <= 12
     assert found == choice.sample(grid, varied)
+
+
+def test_a_sample_has_the_scenes_that_a_grid_has():
+    """Corners and random places may all be without one."""
+    table, varied = scene_table(spring_a()), [Varied("contact.exponent", (*np.arange(6.0, 60.0), 2.0, 90.0))]
+    (point,) = choice.sample(list(points(table, varied)), varied)
+    assert point.scene.contact.exponent == 2.0
 
 
 def test_small_study(tmp_path, monkeypatch):

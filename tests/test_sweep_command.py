@@ -258,6 +258,21 @@ def test_where_no_scene_can_be_solved_the_first_reason_is_said(tmp_path, capsys)
     assert "--element belongs to --model wirefe, got --model equivbeam" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("vary", "reason"),
+    [
+        ("contact.friction=0.1,0.2", "contact.friction goes with contact.sliding"),
+        ("contact.exponent=0.5,9", "contact.exponent must be a finite number in [1, 5], got 0.5"),
+    ],
+)
+def test_with_an_accuracy_the_reason_is_the_same(vary, reason, tmp_path, capsys):
+    """It was: --accuracy needs a scene of the grid that can be solved, got none."""
+    for how in (["--accuracy", "1e-2"], ["--model", "wirefe"]):
+        call = ["sweep", "spring-a", "--vary", vary, *how, *ONE]
+        assert main([*call, "--out", str(tmp_path)]) == 2
+        assert capsys.readouterr().err.startswith(f"coilcheck: no scene can be solved: {reason}")
+
+
 GRID = [Varied("load.force.1", (-40.0, -60.0, -80.0, -100.0))]
 
 

@@ -13,7 +13,7 @@ from coilspring.errors import require_number
 from coilspring.words import counted
 from validation.study.models import LAWS
 from validation.study.partialsolve import partial_path
-from validation.sweep.grid import Point, Varied
+from validation.sweep.grid import Point, Varied, require_any
 from validation.sweep.run import Choice
 from wirefe.adaptive import solve_to_either
 from wirefe.meshes import Levels, difference, on_plates
@@ -40,12 +40,11 @@ def choose(
 ) -> Chosen:
     """The cheapest law or mesh whose errors on a sample of a grid are within the accuracy, with a margin.
 
-    Raises `InputError`: no candidate does, or the wire model cannot tell.
+    Raises `InputError`: no candidate does, or the wire model cannot tell, or no scene can be solved.
     """
     require_number("accuracy", accuracy, *ACCURACIES)
+    require_any(grid)
     points = sample(grid, varied)
-    if not points:
-        raise InputError("accuracy needs a scene of the grid that can be solved, got none")
     wires = []
     for number, point in enumerate(points, 1):
         progress(f"sample of the grid by the wire model: {number} of {len(points)}")
@@ -99,14 +98,16 @@ def rounded_up(number: float) -> float:
 
 
 def sample(grid: Sequence[Point], varied: Sequence[Varied]) -> list[Point]:
-    """Points with a scene, at corners of a grid and some within, the same each time."""
+    """Points with a scene, one at least, at corners of a grid and some within, the same each time."""
     counts = [len(each.values) for each in varied]
     rng = np.random.default_rng(0)
     corners = np.array(list(product(*({0, count - 1} for count in counts))))
     if len(corners) > CORNERS:
         corners = corners[rng.permutation(len(corners))[:CORNERS]]
-    at = [*np.ravel_multi_index(corners.T, counts), *rng.integers(len(grid), size=INSIDE)]
-    return [point for place in dict.fromkeys(map(int, at)) if (point := grid[place]).scene is not None]
+    solvable = [place for place, point in enumerate(grid) if point.scene is not None]
+    inside = (solvable[place] for place in rng.integers(len(solvable), size=INSIDE))
+    at = [*map(int, np.ravel_multi_index(corners.T, counts)), *inside]
+    return [point for place in dict.fromkeys(at) if (point := grid[place]).scene is not None]
 
 
 def _candidates(grid: Sequence[Point]) -> Iterator[tuple[str, Candidate]]:

@@ -128,6 +128,12 @@ def points(table: Mapping[str, Any], varied: Sequence[Varied]) -> Iterator[Point
             yield Point(values, None, str(error))
 
 
+def require_any(grid: Sequence[Point]) -> None:
+    """Refuse a grid without any scene, by what its first point is refused for."""
+    if not any(point.scene for point in grid):
+        raise InputError(f"no scene can be solved: {grid[0].refused}")
+
+
 def _changed(table: Mapping[str, Any], keys: Sequence[str], values: Sequence[Any]) -> Scene:
     """The scene with other values of some keys; a key takes the place of those that exclude it."""
     changed = dict(table)

@@ -21,7 +21,7 @@ from validation.study.keys import run_key
 from validation.study.machine import versions
 from validation.study.rows import Row, append, whole_rows, write
 from validation.study.texts import number_of
-from validation.sweep.grid import Point, Varied
+from validation.sweep.grid import Point, Varied, require_any
 
 CHUNK = {"equivbeam": 16, "wirefe": 1}  # springs handed to a worker at a time: lost where it is interrupted
 FILE, PICTURE, SETTINGS = "sweep.csv", "sweep.png", "sweep.json"
@@ -75,8 +75,7 @@ def sweep(
     `kept_files`. `table` has the keys of the scene that is `varied`; `workers`: see
     `coilspring.sweep.outcomes`; `progress` is called with the number of scenes done and of all.
     """
-    if not any(point.scene for point in grid):  # before anything that is there is replaced
-        raise InputError(f"no scene can be solved: {grid[0].refused}")
+    require_any(grid)  # before anything that is there is replaced
     tasks = [(point.scene, choose(point.scene)) if point.scene else None for point in grid]
     keys = [_key(point, task) for point, task in zip(grid, tasks, strict=True)]
     target, columns = folder / FILE, (*(each.key for each in varied), *RESULTS)
