@@ -5,6 +5,7 @@ import math
 import re
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
@@ -22,9 +23,11 @@ from coilspring import (
     Spring,
     Supports,
     load_path,
+    scene_text,
     spring_a,
     spring_b,
 )
+from coilspring.scene.profile import CoilSection
 from coilspring.scene.toml import scene_table
 from validation.cli import main
 from validation.study.partialsolve import partial_path
@@ -366,6 +369,44 @@ def test_meshes_end_where_the_spring_does():
     assert Levels.of(plates, None).at_least(4) == 4  # of 10 elements each
 
 
+@pytest.mark.parametrize(("seat", "multiple"), [("rigid", 1), ("plate", 3)])
+def test_end_turns_take_a_mesh_where_they_are_elastic(seat, multiple):
+    """Rigid ones of 1.37 turns took 100 elements a turn."""
+    spring = replace(SHORT.spring, end_turns=4 / 3)
+    supports, load = replace(SHORT.supports, seat=seat), Load((0.0, -8.0), 5)
+    scene = replace(SHORT, spring=spring, contact=Contact(), supports=supports, load=load)
+    assert Levels.of(scene, None).multiple == multiple
+
+
+SECTIONS = (CoilSection(2.3333, (2.0, 2.0), (10.0, 10.0)), CoilSection(2.5, (3.0, 3.0), (10.0, 10.0)))
+
+
+@pytest.mark.parametrize(
+    ("spring", "seat", "what", "turns", "fraction"),
+    [
+        (replace(SHORT.spring, active_coils=4.3333), "rigid", "active_coils", "4.3333", "13/3"),
+        (Spring.of_sections(1.5, SECTIONS), "rigid", "sections.0: its end", "2.3333", "7/3"),
+        (replace(SHORT.spring, end_turns=1.3333), "plate", "end_turns", "1.3333", "4/3"),
+    ],
+)
+def test_turns_that_fit_no_mesh_are_refused_with_those_that_do(
+    spring, seat, what, turns, fraction, tmp_path, capsys
+):
+    """An option was named that was not given, and a rule that does not hold: a multiple of 1/4."""
+    supports, load, file = replace(SHORT.supports, seat=seat), Load((0.0, -8.0), 5), tmp_path / "own.toml"
+    text = scene_text(replace(SHORT, spring=spring, load=load, supports=supports))
+    file.write_text(text, encoding="utf-8")
+    call = ["solve", str(file), "--accuracy", "1e-2", "--out", str(tmp_path)]
+    assert main(call) == 2
+    nearest = f"{float(Fraction(fraction)):.12g}"
+    assert capsys.readouterr().err == (
+        f"coilcheck: {file}: spring.{what} must be a multiple of 1/n turns, n an integer in [1, 1000], "
+        f"for accuracy, got {turns}; the nearest is {fraction}, {nearest}\n"
+    )
+    file.write_text(text.replace(turns, nearest), encoding="utf-8")
+    assert main(call) == 0  # it can be copied from there
+
+
 def test_stations_grow_where_elements_need_not():
     """A spring of 4.005 coils takes 200 elements a turn at least."""
     scene = touching()
@@ -528,6 +569,16 @@ def test_a_reference_is_as_exact_as_can_be_reached(asked, half_is_reached, monke
     else:
         with pytest.raises(InputError, match="accuracy must be at least"):
             wirefe.solve_to(scene, asked / 2.0)
+
+
+def test_a_scene_without_a_mesh_leaves_the_others_of_its_grid(tmp_path, capsys):
+    """It stopped the sweep."""
+    vary = ["spring-a", "--vary", "spring.active_coils=14,5.3333,14.5", "--steps", "2", "--workers", "0"]
+    assert main(["sweep", *vary, "--accuracy", "1e-2", "--out", str(tmp_path)]) == 3
+    found = pd.read_csv(tmp_path / run.FILE)
+    assert found.outcome.tolist() == ["completed", "refused", "completed"]
+    assert found.message[1].startswith("spring.active_coils must be a multiple of 1/n")
+    assert "on 2 scenes of the grid" in capsys.readouterr().out
 
 
 def test_where_there_is_no_reference_the_scene_is_said_and_what_was_asked_for(monkeypatch):

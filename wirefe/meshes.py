@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -27,7 +28,7 @@ STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, 
 FEWEST, MOST = 16, 1536  # stations: of first paths, and where nothing touches; a few more have to be allowed
 CLEAR = 0.05  # wire diameters between coils that do not touch on any mesh
 TINY = 1e-12  # of the time 0..1
-FRACTION = 1_000  # of a coil at most, at which a spring or a section of it ends
+FRACTION = 1_000  # of a turn at most, at which the elastic wire or a section of it ends
 FEW = 4  # meshes that differ by elements alone, at least
 ROWS = 5  # of a stage, at least, at which paths are compared whose differences are smooth
 
@@ -49,7 +50,7 @@ class Levels:
 
     @classmethod
     def of(cls, scene: Scene, pairs_per_turn: int | None) -> Levels:
-        """Meshes with a node wherever the spring or a section of it ends, and on every sphere."""
+        """Meshes with a node wherever the elastic wire or a section of it ends, and on every sphere."""
         spheres = None
         if scene.contact.geometry == "spheres":
             spheres = PER_TURN["spheres"] if pairs_per_turn is None else pairs_per_turn
@@ -58,9 +59,7 @@ class Levels:
                 f"pairs_per_turn goes with accuracy for contact of spheres alone, got {pairs_per_turn!r} "
                 "with geometry wires"
             )
-        ends = [*(scene.spring.profile.knots / TWO_PI), scene.spring.end_turns]
-        fits = (q for q in range(1, FRACTION + 1) if all(is_whole(q * x) for x in ends))
-        multiple = math.lcm(next(fits, 1), spheres or 1)
+        multiple = math.lcm(*(_fraction(*end) for end in _ends(scene)), spheres or 1)
         elements = math.lcm(multiple, elements_of_one(scene))
         if elements > MOST_ELEMENTS:
             raise InputError(
@@ -93,6 +92,27 @@ class Levels:
             "elements_per_turn": number * self.at_least(max(level, beyond // number + 1)),
             "pairs_per_turn": self.spheres or stations or min(STATIONS * level, MOST),
         }
+
+
+def _ends(scene: Scene) -> list[tuple[str, float]]:
+    """Where the elastic wire or a section of it ends, in turns, and what sets it."""
+    spring = scene.spring
+    coils = (spring.profile.knots[1:] / TWO_PI).tolist()
+    names = [f"spring.sections.{i}: its end" for i in range(len(spring.sections))] or ["spring.active_coils"]
+    turns = [("spring.end_turns", spring.end_turns)] if on_plates(scene) else []
+    return [*zip(names, coils, strict=True), *turns]
+
+
+def _fraction(name: str, turns: float) -> int:
+    """The least number of elements per turn of which some turns have a whole number."""
+    for elements in range(1, FRACTION + 1):
+        if is_whole(elements * turns):
+            return elements
+    nearest = Fraction(turns).limit_denominator(FRACTION)
+    raise InputError(
+        f"{name} must be a multiple of 1/n turns, n an integer in [1, {FRACTION}], for accuracy, "
+        f"got {turns:.12g}; the nearest is {nearest}, {float(nearest):.12g}"
+    )
 
 
 def on_plates(scene: Scene) -> bool:

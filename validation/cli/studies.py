@@ -217,6 +217,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
             from validation.sweep.choice import choose
 
             found = choose(points, varied, accuracy, progress)
+            points = found.grid
             lines.append(found.line)
             told |= {"accuracy": accuracy, "estimated_error": found.error, "sampled": found.sampled}
         solver, kept = found.candidate if found else lambda scene: asked, run.kept_files(folder)

@@ -10,6 +10,7 @@ import numpy as np
 
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_number
+from coilspring.scene import SEATS
 from coilspring.words import counted
 from validation.study.models import LAWS
 from validation.study.partialsolve import partial_path
@@ -17,6 +18,7 @@ from validation.sweep.grid import Point, Varied, require_any
 from validation.sweep.run import Choice
 from wirefe.adaptive import solve_to_either
 from wirefe.meshes import Levels, difference, on_plates
+from wirefe.solve import require_motion
 from wirefe.trials import ACCURACIES, NotReached
 
 LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
@@ -33,6 +35,7 @@ class Chosen(NamedTuple):
     error: float  # the largest on the sample, the error of its references included
     sampled: int  # scenes
     line: str  # for a reader at the terminal
+    grid: list[Point]  # without scenes that the wire model refuses
 
 
 def choose(
@@ -43,6 +46,7 @@ def choose(
     Raises `InputError`: no candidate does, or the wire model cannot tell, or no scene can be solved.
     """
     require_number("accuracy", accuracy, *ACCURACIES)
+    grid = [_meshed(point) for point in grid]
     require_any(grid)
     points = sample(grid, varied)
     wires = []
@@ -56,9 +60,23 @@ def choose(
         if MARGIN * worst <= accuracy:
             sampled = f"{counted(len(points), 'scene')} of the grid, solved by the wire model"
             why = f"{name}; error up to {worst:.2g} on {sampled}"
-            return Chosen(candidate, worst, len(points), f"chosen for an accuracy of {accuracy:g}: {why}")
+            line = f"chosen for an accuracy of {accuracy:g}: {why}"
+            return Chosen(candidate, worst, len(points), line, grid)
         least = min(least, worst)
     raise InputError(f"{_refused(accuracy, least)} by one law or mesh for all its scenes, got {accuracy:g}")
+
+
+def _meshed(point: Point) -> Point:
+    """The point, without its scene where the wire model, which tells the errors, refuses that."""
+    if point.scene is None:
+        return point
+    try:
+        require_motion(point.scene)
+        point.scene.supports.require_supported("wirefe", SEATS)
+        Levels.of(point.scene, None)
+    except InputError as error:
+        return Point(point.values, None, str(error))
+    return point
 
 
 def _reference(point: Point, varied: Sequence[Varied], accuracy: float) -> EquilibriumPath:
