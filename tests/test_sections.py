@@ -211,6 +211,6 @@ def test_what_only_plain_springs_have_is_refused():
     with pytest.raises(InputError, match="tangent must be exact where the spring has sections"):
         equivbeam.solve(BARREL, tangent="paper")
     thirds = Spring.of_sections(1.5, [CoilSection(1.3, 3.0, 10.0), CoilSection(2.7, 4.0, 10.0)])
-    with pytest.raises(InputError, match=r"spring\.sections\[1\] must end at a multiple of 1/4 coils.*1\.3"):
+    with pytest.raises(InputError, match=r"spring\.sections\[0\] must end at a multiple of 1/4 coils.*1\.3"):
         wirefe.solve(axial(thirds, 1.0), element="curved", elements_per_turn=4)
     assert wirefe.solve(axial(thirds, 1.0), elements_per_turn=20).outcome == "completed"

@@ -385,7 +385,7 @@ SECTIONS = (CoilSection(2.3333, (2.0, 2.0), (10.0, 10.0)), CoilSection(2.5, (3.0
     ("spring", "seat", "what", "turns", "fraction"),
     [
         (replace(SHORT.spring, active_coils=4.3333), "rigid", "active_coils", "4.3333", "13/3"),
-        (Spring.of_sections(1.5, SECTIONS), "rigid", "sections.0: its end", "2.3333", "7/3"),
+        (Spring.of_sections(1.5, SECTIONS), "rigid", "sections[0]: its end", "2.3333", "7/3"),
         (replace(SHORT.spring, end_turns=1.3333), "plate", "end_turns", "1.3333", "4/3"),
     ],
 )

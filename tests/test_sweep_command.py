@@ -64,6 +64,8 @@ def test_an_item_of_a_list_and_of_a_table():
     (varied,) = read_varied(["spring.sections.1.coils=4"], table)
     (point,) = points(table, [varied])
     assert [each.coils for each in point.scene.spring.sections] == [2.0, 4.0]
+    (point,) = points(table, [Varied("spring.sections.1.coils", (-4,))])
+    assert point.refused.startswith("spring.sections[1].coils must be ")  # counted as they are varied
     (point,) = points(table, [Varied("spring.mean_diameter", (9.0,))])
     assert point.scene is None
     assert "[spring] takes one of " in point.refused

@@ -97,7 +97,7 @@ def refuse_kinks(spring: Spring, mesh: WireMesh) -> None:
     """Refuse sections of the spring that meet within an element: curved ones are of one piece."""
     step = mesh.phases[1]
     count = round(TWO_PI / step)
-    for number, knot in enumerate(spring.profile.knots[1:-1], 1):
+    for number, knot in enumerate(spring.profile.knots[1:-1]):
         if not is_whole(knot / step):
             raise InputError(
                 f"spring.sections[{number}] must end at a multiple of 1/{count} coils with element curved "

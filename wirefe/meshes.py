@@ -98,7 +98,7 @@ def _ends(scene: Scene) -> list[tuple[str, float]]:
     """Where the elastic wire or a section of it ends, in turns, and what sets it."""
     spring = scene.spring
     coils = (spring.profile.knots[1:] / TWO_PI).tolist()
-    names = [f"spring.sections.{i}: its end" for i in range(len(spring.sections))] or ["spring.active_coils"]
+    names = [f"spring.sections[{i}]: its end" for i in range(len(spring.sections))] or ["spring.active_coils"]
     turns = [("spring.end_turns", spring.end_turns)] if on_plates(scene) else []
     return [*zip(names, coils, strict=True), *turns]
 

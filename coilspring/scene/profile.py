@@ -62,13 +62,13 @@ def checked_sections(sections: object, wire_diameter: float) -> tuple[CoilSectio
     if not isinstance(sections, list | tuple) or not 1 <= len(sections) <= MOST_SECTIONS:
         raise InputError(f"spring.sections must be 1 to {MOST_SECTIONS} sections, got {shown(sections)}")
     checked: list[CoilSection] = []
-    for number, section in enumerate(sections, 1):
+    for number, section in enumerate(sections):
         field = f"spring.sections[{number}]"
         if not isinstance(section, CoilSection):
             raise InputError(f"{field} must be a CoilSection, got {shown(section)}")
         checked.append(section.checked(field, wire_diameter))
-        below, here = checked[max(number - 2, 0)].mean_diameter, checked[-1].mean_diameter
-        if number > 1 and not math.isclose(below[1], here[0], rel_tol=SAME):
+        below, here = checked[max(number - 1, 0)].mean_diameter, checked[-1].mean_diameter
+        if number > 0 and not math.isclose(below[1], here[0], rel_tol=SAME):
             raise InputError(
                 f"{field}.mean_diameter must begin with {below[1]!r}, where the section below it ends, "
                 f"got {here[0]!r}"

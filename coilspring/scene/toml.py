@@ -145,7 +145,7 @@ def _tables(name: str, record: type, tables: object) -> list:
     if not isinstance(tables, list):
         raise InputError(f"{name} must be tables [[{name}]], got {shown(tables)}")
     records = []
-    for number, table in enumerate(tables, 1):
+    for number, table in enumerate(tables):
         item = f"{name}[{number}]"
         if not isinstance(table, dict):
             raise InputError(f"{item} must be a table with {', '.join(keys_of(record))}, got {shown(table)}")
