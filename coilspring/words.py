@@ -15,9 +15,10 @@ def rounded(value: object, digits: int = 10) -> object:
     return float(f"{value:.{digits}g}") if isinstance(value, float) else value
 
 
-def counted(count: int, what: str) -> str:
-    """How many there are of what is named in the singular."""
-    return f"{count} {what}{'' if count == 1 else 's'}"
+def counted(count: float, what: str) -> str:
+    """How many there are of what is named in the singular; also 1.5."""
+    number = f"{count:g}" if isinstance(count, float) else count
+    return f"{number} {what}{'' if count == 1 else 's'}"
 
 
 def shown(value: object) -> str:

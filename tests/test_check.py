@@ -285,6 +285,7 @@ WARNINGS = [
     ({"mean_diameter": 7.0}, {}, "index D/d is 3.5, outside 4 to 20"),
     ({"mean_diameter": (30.0, 44.0)}, {}, "index D/d is 15 to 22, outside"),
     ({"active_coils": 1.5, "active_height": 6.0}, {}, "1.5 active coils, less than 2"),
+    ({"active_coils": 1.0, "active_height": 6.0}, {}, "1 active coil, less than 2"),
     ({"active_height": 80.0}, {"held": ("ux", "rotz")}, "helix angle up to 9.04 degrees, above 7.5"),
     ({}, {"force": 5.0}, "the axial load pulls"),
     ({"active_coils": 20.0, "active_height": 100.0}, {"held": ()}, "slenderness 5: as a column it buckles"),

@@ -575,6 +575,11 @@ def test_a_run_says_what_it_takes_the_place_of(tmp_path, capsys):
     assert said[:2] == [[], []]
     assert said[2] == ["in place of a run by equivbeam (law haringx), which was there"]
     assert said[3][0].startswith("in place of a run by equivbeam (law helix")
+    assert main([*call, "--model", "equivbeam"]) == 0  # which knows none of the options of a mesh
+    mesh = "(element straight, elements_per_turn 40, pairs_per_turn 4)"  # but no results
+    assert f"in place of a run by wirefe {mesh}, which was there" in capsys.readouterr().out
+    assert main([*call, "--model", "wirefe"]) == 0
+    capsys.readouterr()
     call[1] = "spring-b"
     assert main([*call, "--model", "wirefe"]) == 0
     assert "in place of a run of spring-a by wirefe, which was there" in capsys.readouterr().out

@@ -28,6 +28,7 @@ OPTIONAL = {  # files that a run may have, by the file that every run of its kin
     "compare.json": ("compare.png", "curve.png"),
     "calibration.json": ("calibration.png",),  # measured.csv may be the user's
 }
+RESULTS = ("pairs_found",)  # what stands among the options of a path and is none
 TOLD = ("load.steps", "contact.stiffness")  # keys of a scene that a summary has among the options
 
 
@@ -111,10 +112,10 @@ def replaced(folder: Path, found: Mapping[str, object]) -> list[str]:
     other keys, or with another model or options."""
     try:
         old, new = _summary(folder / "summary.json"), json.loads(json_text(found))
-        same = all(old.get(key) == new[key] for key in ("scene", "scene_table", "model", "options"))
+        was, options = ({k: v for k, v in each["options"].items() if k not in RESULTS} for each in (old, new))
+        same = was == options and all(old.get(key) == new[key] for key in ("scene", "scene_table", "model"))
         scene = f" of {old['scene']}" if old["scene"] != new["scene"] else ""
-        options = new["options"]
-        changed = [f"{key} {value}" for key, value in old["options"].items() if value != options.get(key)]
+        changed = [f"{key} {value}" for key, value in was.items() if value != options.get(key)]
         if not scene:
             changed += _other_keys(old["scene_table"], new["scene_table"])
     except (KeyError, TypeError, AttributeError):

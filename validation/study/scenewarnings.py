@@ -5,6 +5,7 @@ import math
 from coilspring import Scene
 from coilspring.scene.profile import TWO_PI
 from coilspring.scene.sizing import Sizes, middle_diameter, nests, sizes
+from coilspring.words import counted
 
 # EN 13906-1:2013: ranges of cold-coiled springs to which its formulas apply
 INDEX = (4.0, 20.0)
@@ -36,7 +37,8 @@ def warnings(scene: Scene) -> list[str]:
         index = ends_text(found.index)
         said.append(f"index D/d is {index}, outside {INDEX[0]:g} to {INDEX[1]:g} (EN 13906-1)")
     if spring.active_coils < LEAST_COILS:
-        said.append(f"{spring.active_coils:g} active coils, less than {LEAST_COILS:g} (EN 13906-1)")
+        coils = counted(spring.active_coils, "active coil")
+        said.append(f"{coils}, less than {LEAST_COILS:g} (EN 13906-1)")
     if found.least_gap is not None and found.least_gap < TOUCHING * d:
         said.append("coils touch at rest")
     if nests(spring):
