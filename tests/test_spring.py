@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from coilspring import InputError, Load, Spring, spring_a, spring_b
+from coilspring.scene.profile import CoilSection
 
 
 def test_catalogue_holds_table_1():
@@ -87,6 +88,20 @@ def test_the_tangent_where_end_turns_begin_is_the_mean_of_both_sides():
 def test_parts_of_a_scene_are_of_their_kind(part, given):
     with pytest.raises(InputError, match=f"{part} must be a {part.capitalize()}, got "):
         replace(spring_a(), **{part: given})
+
+
+def test_diameters_and_pitches_may_be_arrays():
+    ends = np.array([18.0, 14.0])
+    assert Spring(2.0, ends, 6.0, 30.0) == Spring(2.0, (18.0, 14.0), 6.0, 30.0)
+    assert Spring(2.0, np.array(18.0), 6.0, 30.0) == Spring(2.0, 18.0, 6.0, 30.0)
+    others = {"active_coils": 6.0, "active_height": 30.0}
+    assert Spring.of_diameter(2.0, outer_diameter=ends + 2.0, **others) == Spring(2.0, ends, **others)
+    section = CoilSection(6.0, np.array([4.0, 6.0]), ends)
+    assert Spring.of_sections(2.0, [section]).coils == (CoilSection(6.0, (4.0, 6.0), (18.0, 14.0)),)
+    with pytest.raises(InputError, match=r"mean_diameter must be one number or two .* \[18.0, 14.0, 9"):
+        Spring(2.0, np.array([18.0, 14.0, 9.0]), 6.0, 30.0)
+    with pytest.raises(InputError, match=r"spring.mean_diameter must be a number in .*, got \[18.0, 14.0\]"):
+        Spring(2.0, np.array([ends, ends]), 6.0, 30.0)
 
 
 def test_loads_may_be_arrays():

@@ -94,6 +94,7 @@ def closest(wire_diameter: float, step: float) -> float:
 
 def both_ends(field: str, value: object, least: float) -> tuple[float, float]:
     """Two numbers, at the bottom and at the top, of at least `least`; one stands for both."""
+    value = value.tolist() if isinstance(value, np.ndarray) else value
     pair = value if isinstance(value, list | tuple) else (value, value)
     if len(pair) != 2:
         raise InputError(
