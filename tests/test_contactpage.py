@@ -90,7 +90,12 @@ def test_the_pairs_are_compared_with_the_finest():
     assert rows.loc[("A", "40"), "difference to 40"] == "0"
     assert rows.loc[("A", "4"), "difference to 40"] == "0.22 %"
     assert rows.loc[("B", "20"), "time over that of 4"] == "5.0"
-    assert "A 0.030 mm of overlap (0.030 with 40), 0.22 % of the tips; B 0.030 mm" in text
+    left = "4 pairs per turn leave 0.030 mm of overlap on Spring {}, 40 pairs 0.030 mm. Its tips with 4 pairs are "
+    left += "0.22 % from those with 40 pairs, which are 0.025 % from those with 20."
+    assert all(left.format(name) in text for name in "AB")
+    rough = data.assign(UY=data["UY"].where((data["spring"] == "B") | (data["pairs"] != 20), -8.1))
+    moved = page(pairs=rough).split("4 pairs per turn leave")
+    assert ["so that 40 pairs do not tell what 4 cost" in part for part in moved] == [False, True, False]
     assert "0.030 mm for the largest slip of Spring A with mu = 0.05, 0.30 mm" in text
 
 
@@ -149,7 +154,7 @@ def test_facts_are_those_of_the_rows():
     friction = fake(contact.RUNS["friction"], couple=lambda run: 125.0 if run.mu == NONE else 0.0)
     found = contact.facts(every(pairs=pairs, friction=friction, search=search), LIMIT)
     assert found["pairs.count"] == 4
-    assert found["pairs.A.difference"] == pytest.approx(0.22, abs=0.01)
+    assert found["pairs.A.overlap"] == 0.03
     assert (found["friction.couples"], found["search.along"]) == (50.0, 96.0)
     assert (found["search.pairs"], found["search.outcome"]) == (80, "completed")
 
@@ -173,4 +178,6 @@ def test_wires_are_what_spheres_are_compared_with():
     found = contact.facts(every(**runs), LIMIT)
     assert found["spheres.B.0.4.outcome"] == "limit point"
     assert found["spheres.A.0.3.4.difference"] == pytest.approx(1.0)
+    assert found["coulomb.A.4.coefficients"] == [0.1, 0.2, 0.3]
+    assert found["coulomb.A.4.differences"] == pytest.approx([1.0] * 3)
     assert (found["cycle.spheres.4"], found["cycle.wires.64"]) == (0.2, 0.1)

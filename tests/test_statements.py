@@ -210,6 +210,8 @@ APART = "sensitivity/sensitivity > case=spring-a | model=wirefe | input=sphere_p
 APART += "models_apart_percent"
 FOUR = "errorbudget/fourcases > table={} | row={} | case={} > value"
 OUTSIDE = FOUR.format("outside", "normal forces", "Spring B")
+SOLID = "solid: standing.spring-{}-no-contact.{}.{}"
+A_SOLID, B_BEAMS = SOLID.format("a", "helix law", "solid"), SOLID.format("b", "helix law", "beam")
 HELD = FOUR.format("law", "without `held`", "Spring B w/o contacts")
 SLOW = {f"{name}.time.ratio": 0.5 for name in CASE_NAMES}
 WORDS = [
@@ -225,6 +227,10 @@ WORDS = [
     ("findings.spheres", {APART: 0.1}, "hardly matters"),
     ("findings.outside", {OUTSIDE: 10.0}, "meet in the plane in which its wire starts"),
     ("findings.helix", {HELD: 0.15}, "does not need large deformation"),
+    ("findings.helix", {A_SOLID: 0.0}, "nearer on both springs where both laws have the solid wire"),
+    ("findings.helix", {B_BEAMS: 0.0}, "on Spring B alone where both have beams"),
+    ("findings.limit", {"contact: search.outcome": "jump"}, "with 80 pairs per turn the path ends (jump)"),
+    ("findings.wires", {"contact: spheres.B.0.4.outcome": "completed"}, "spheres it reaches full load"),
 ]
 
 

@@ -113,6 +113,17 @@ def solids(f: Facts, model: str, wire: str) -> list[float]:
     return [f[f"solid: standing.spring-{spring}-no-contact.{model}.{wire}"] for spring in "ab"]
 
 
+def nearer(mine: Sequence[float], others: Sequence[float]) -> str:
+    """On which of Springs A and B the first of two models is nearer."""
+    found = [f"Spring {name}" for name, one, other in zip("AB", mine, others, strict=True) if one < other]
+    return "neither spring" if not found else "both springs" if len(found) == 2 else f"{found[0]} alone"
+
+
+def reach(outcome: str) -> str:
+    """How far a path goes, in words."""
+    return "reaches full load" if outcome == "completed" else f"ends ({outcome})"
+
+
 def paper_ratios(f: Facts) -> list[float]:
     """The paper's times of FE over those of its model."""
     return [f[f"paper.{name}.wire"] / f[f"paper.{name}.beam"] for name in CASE_NAMES]
@@ -125,7 +136,7 @@ def quarter_turn(f: Facts) -> float:
 
 
 RECORDED = (cell, largest, measured, paper_ratios, peers, quarter_turn, random_errors, solids, varied)
-FINDINGS = template(Path(__file__).with_name("findings.md"), (*FUNCTIONS, *RECORDED))
+FINDINGS = template(Path(__file__).with_name("findings.md"), (*FUNCTIONS, *RECORDED, nearer, reach))
 
 
 def findings(facts: Facts) -> str:

@@ -257,12 +257,12 @@ def page(runs: Runs, limit: Mapping[str, Any]) -> str:
     """The page, a view of the runs."""
     found = tables(runs)
     pairs, a = found["pairs"], found["friction"].query("spring == 'A'").set_index("mu")
-    few, many = (pairs[pairs["pairs"] == count].set_index("spring") for count in (4, 40))
-    costs = few.assign(many=many["overlap"])[["overlap", "many", "difference"]].reset_index()
+    few, half, many = (pairs[pairs["pairs"] == count].set_index("spring") for count in (4, 20, 40))
+    costs = few.assign(many=many["overlap"], still=half["difference"])
+    costs = costs[["overlap", "many", "difference", "still"]].reset_index()
     return template.page(
         WORDS,
         **{name: table.to_dict("records") for name, table in (found | {"costs": costs}).items()},
-        still=pairs.loc[(pairs["spring"] == "A") & (pairs["pairs"] == 20), "difference"].item(),
         slip=runs["friction"].query("spring == 'A' and mu == 0.05 and steps == 50")["last slip"].item(),
         worst={elements: worst(group) for elements, group in found["forces"].groupby("elements")},
         couples=[a["couple"][mu] for mu in (0.1, 0.3, NONE)],
@@ -278,8 +278,7 @@ def facts(runs: Runs, limit: Mapping[str, Any]) -> dict[str, object]:
     pairs, a = tabled["pairs"], tabled["friction"].query("spring == 'A'").set_index("mu")
     found: dict[str, object] = {"pairs.count": int(pairs["pairs"].iloc[0])}
     for row in pairs.groupby("spring", sort=False).head(1).itertuples():
-        key = f"pairs.{row.spring}"
-        found |= {f"{key}.overlap": row.overlap, f"{key}.difference": 100.0 * row.difference}
+        found[f"pairs.{row.spring}.overlap"] = row.overlap
     found["friction.couples"] = 100.0 * a["couple"][NONE] / a["moment"][NONE]
     found |= {"friction.free": a["UY"][0.0], "friction.held": a["UY"][NONE]}
     found |= {"search.pairs": int(most["pairs"]), "search.outcome": most["outcome"]}
@@ -287,6 +286,10 @@ def facts(runs: Runs, limit: Mapping[str, Any]) -> dict[str, object]:
         key = f"{row['geometry']}.{row['spring']}.{row['mu']:g}.{row['pairs']}"
         found |= {f"{key}.outcome": row["outcome"], f"{key}.time": row["critical time"]}
         found |= {f"{key}.UY": row["UY"], f"{key}.difference": 100.0 * row["difference"]}
+    spheres = tabled["geometry"].query("spring == 'A' and geometry == 'spheres' and pairs == 4")
+    friction = spheres[(spheres["mu"] > 0.0) & (spheres["mu"] < NONE)]
+    found["coulomb.A.4.coefficients"] = friction["mu"].tolist()
+    found["coulomb.A.4.differences"] = (100.0 * friction["difference"]).tolist()
     found |= {f"cycle.{row.geometry}.{row.pairs}": row.work for row in tabled["cycles"].itertuples()}
     return found | {"search.along": limit["circ"]}
 
