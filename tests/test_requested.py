@@ -82,11 +82,17 @@ def test_the_bound_is_compared_with_the_rate():
     assert said("failures", fake(10)).count("which is not below 1 %") == 3
     rows = fake(100)
     rows.loc[2, "true"] = 1.5e-4
-    assert "At 1e-4, 1 of 400 answers is off by more than asked, 1 of them" in said("failures", rows)
+    one = "At 1e-4, 1 of 400 answers is off by more than asked; the reference's own error {} explain it. The bound"
+    assert one.format("cannot") in said("failures", rows)
     rows.loc[2, "own"] = 1e-4
-    assert "0 of them by more than the reference's own error explains" in said("failures", rows)
+    assert one.format("can") in said("failures", rows)
     rows.loc[rows.asked == 1e-3, "true"] = 2e-3
-    assert "At 1e-3, 400 of 400 answers are off" in said("failures", rows)
+    assert "At 1e-3, 400 of 400 answers are off by more than asked; the reference's own error can explain " in (
+        said("failures", rows)
+    )
+    assert "can explain none of them" in said("failures", rows)
+    rows.loc[rows.index[rows.asked == 1e-3][:3], "own"] = 1e-3
+    assert "can explain 3 of them" in said("failures", rows)
     assert "100 %, which is not below" in said("failures", rows)
 
 
@@ -101,7 +107,7 @@ def test_estimates_and_errors_turn():
     rows.loc[2, "true"] = math.inf
     text = said("worst", rows)
     assert f"11 answers are off by more than asked (1 with {OPEN}, 10 with {WIRES})" in text
-    assert "The largest error is 3 times" in text
+    assert "The largest finite error is 3 times" in text
     assert "1 path of these ends otherwise than the reference" in text
 
 
@@ -133,6 +139,13 @@ def test_seeds_that_were_used_are_said_to_be():
 def test_contacts_that_no_spring_has():
     assert "None has wires with friction or sticking wires" in said("contact", fake())
     assert "None has" not in said("contact", fake(contacts={WIRES: "wires coulomb", HELD: "wires none"}))
+
+
+def test_the_limits_say_what_the_springs_have_not(recorded):
+    absent = " or ".join(requestedpage.absent(prepared(recorded)))
+    limits = " ".join((ROOT / "docs/limits.md").read_text(encoding="utf-8").split())
+    said = re.findall(r"None of its springs has (.*?): how often it fails", limits)
+    assert said == ([absent] if absent else [])
 
 
 @pytest.mark.parametrize(

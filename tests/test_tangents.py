@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import pandas as pd
+
 from coilspring import spring_a, spring_b
 from validation.verification import tangents
 
@@ -12,6 +14,15 @@ def test_outcomes_and_iterations():
     scene = spring_b()
     early = tangents.follow(replace(scene, load=replace(scene.load, force=(0.0, -220.0))), "exact", 5)
     assert tangents.result(early) == "**limit point** at 0.934"
+
+
+def test_the_page_says_if_a_run_ends_early():
+    fifty = pd.DataFrame({"case": ["spring-a"], "CPU, ms": [1.0], "over exact": [1.0]})
+    steps = pd.DataFrame({name: ["12", "34"] for name in tangents.TANGENTS})
+    assert "Iterations to full load, which all 6 runs reach. What helps" in tangents.page(fifty, steps)
+    steps.loc[1, "paper"] = "**limit point** at 0.934"
+    text = tangents.page(fifty, steps)
+    assert "or in bold what happened instead and when: 1 of 6 runs end before it. What helps" in text
 
 
 def test_the_page_has_all_runs(monkeypatch):

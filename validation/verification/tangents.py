@@ -61,8 +61,19 @@ def result(path: EquilibriumPath) -> str:
     return f"**{path.outcome.replace('_', ' ')}** at {path.critical_time or path.times.max(initial=0.0):.3f}"
 
 
+def ends(steps: pd.DataFrame) -> dict[str, int]:
+    """How many runs over steps and penalties there are, and how many of them end before full load."""
+    cells = steps[[*TANGENTS]].to_numpy().ravel()
+    return {"runs": len(cells), "early": sum(cell.startswith("**") for cell in cells)}
+
+
+def page(fifty: pd.DataFrame, steps: pd.DataFrame) -> str:
+    """The page, a view of the runs."""
+    table = frame_table(fifty, {"CPU, ms": "{:.2f}", "over exact": "{:.1f}"})
+    return template.page(WORDS, f=ends(steps), fifty=table, steps=frame_table(steps))
+
+
 if __name__ == "__main__":
     fifty = by_case()
-    table = frame_table(fifty, {"CPU, ms": "{:.2f}", "over exact": "{:.1f}"})
-    write_text(PAGE, template.page(WORDS, fifty=table, steps=frame_table(by_steps())))
+    write_text(PAGE, page(fifty, by_steps()))
     write_facts({f"{row.case}.{row.tangent}": row.iterations for row in fifty.itertuples()}, RECORD)
