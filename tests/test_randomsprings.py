@@ -95,9 +95,20 @@ def test_percentile_bound():
     """59 is the least sample whose largest bounds a 95th percentile; the bound holds 95 times in 100."""
     assert np.isnan(randompage.percentile_bound(pd.Series(range(58))))
     assert randompage.percentile_bound(pd.Series(range(59))) == 58
+    assert randompage.fewest() == 59
     rng = np.random.default_rng(0)
     bounds = [randompage.percentile_bound(pd.Series(rng.uniform(size=140))) for _ in range(1000)]
     assert 0.93 <= np.mean(np.array(bounds) >= 0.95) <= 0.99
+
+
+def test_sentences_give_bounds_where_there_are_some(recorded):
+    assert randompage.both(pd.Series(range(58))) == "28 and 54 % (no bound)"
+    assert randompage.both(pd.Series(range(59))) == "29 and 55 % (bound 58 %)"
+    rows = randompage.classified(recorded)
+    assert "none of them can have one" in statement(randompage.WORDS, "bound", rows)
+    twice = statement(randompage.WORDS, "bound", pd.concat((rows, rows)))
+    counts = 2 * rows.groupby(["kind", "closing"]).size()
+    assert f"{(counts >= 59).sum()} of {len(counts)} can have one" in twice
 
 
 def test_cells_of_few_springs_show_no_percentile():
@@ -166,7 +177,8 @@ def test_verdicts_on_the_four_cases_turn(four):
         return ablation.Cases(four.assign(value=four["value"].where(~chosen, value)))
 
     changed = having(9.0, row="Haringx, the paper's law")
-    assert "more than twice" in statement(ablation.WORDS, "pairs", changed)
+    assert "moves less, by" in statement(ablation.WORDS, "pairs", changed)
+    assert "moves more, by" in statement(ablation.WORDS, "pairs", ablation.Cases(four))
     exact = four.query("row == 'exact rod' and case == '200 N'")["value"].item()
     changed = having(exact, row="helix law", case="200 N")
     assert "farther" not in statement(ablation.WORDS, "taper", changed)

@@ -108,6 +108,9 @@ def test_the_table_of_models_says_what_is_recorded():
         assert row in README, f"the README's table lacks {row}"
     counts = " ".join(README.split())
     assert "{} springs without contact and {} on which more than three".format(*map(len, classes)) in counts
+    touching = int(springs["contact"].sum())
+    assert f"The other {touching - len(classes[1])} of {touching} with contact close fewer." in counts
+    assert "error, random springs with more than 3 closed pairs (%)" in counts
 
 
 def span(values):

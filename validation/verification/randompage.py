@@ -1,5 +1,6 @@
 """What the study of random springs says: figure, tables, and what sentences of ``randomsprings.md`` count."""
 
+import math
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -71,14 +72,20 @@ def cell(errors: pd.Series) -> str:
 
 
 def both(errors: pd.Series) -> str:
-    """Median and 95th percentile."""
-    return f"{number(errors.median())} and {number(errors.quantile(0.95))} %"
+    """Median and 95th percentile with its bound."""
+    return f"{number(errors.median())} and {high(errors)}"
 
 
 def in_words(errors: pd.Series) -> str:
     """The same, said in words."""
-    high = number(errors.quantile(0.95))
-    return f"{number(errors.median())} % in the median and {high} % at the 95th percentile"
+    return f"{number(errors.median())} % in the median and {high(errors)} at the 95th percentile"
+
+
+def high(errors: pd.Series) -> str:
+    """95th percentile with its bound."""
+    bound = percentile_bound(errors)
+    words = "no bound" if np.isnan(bound) else f"bound {number(bound)} %"
+    return f"{number(errors.quantile(0.95))} % ({words})"
 
 
 def percentile_bound(errors: pd.Series) -> float:
@@ -88,13 +95,24 @@ def percentile_bound(errors: pd.Series) -> float:
     return float(known[place]) if place < len(known) else float("nan")
 
 
+def fewest() -> int:
+    """Springs of the least sample whose 95th percentile has a bound, which is its largest error."""
+    return math.ceil(math.log(1.0 - CONFIDENCE) / math.log(0.95))
+
+
+def cell_sizes(rows: pd.DataFrame) -> pd.Series:
+    """Springs in each cell of kind and contact."""
+    sizes = rows.groupby(["kind", "closing"])["helix_vector"].count()
+    return sizes[sizes > 0]
+
+
 def over_seeds(rows: pd.DataFrame, column: str, closing: int, share: float) -> str:
     """Range of a quantile over the seeds."""
     found = rows[rows["closing"] == CLASSES[closing]].groupby("seed")[column].quantile(share)
     return f"{number(found.min())} to {number(found.max())}"
 
 
-SAID = (errors, number, cell, both, in_words, percentile_bound, over_seeds)
+SAID = (errors, number, cell, both, in_words, percentile_bound, over_seeds, fewest, cell_sizes)
 WORDS = template.template(Path(__file__).with_name("randomsprings.md"), SAID)
 WORDS.globals.update(
     **{"drawn": randomscenes, "study": randomsprings, "few": FEW, "confidence": CONFIDENCE},
