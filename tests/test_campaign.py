@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from dataclasses import replace
 from inspect import signature
@@ -10,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from PIL import Image
 
 import equivbeam
 from coilspring import Contact, InputError, Load, Scene, Spring, Supports, load_scene, spring_b
@@ -44,6 +46,7 @@ from validation.campaign.wireverifier import (
 )
 from validation.cli import main
 from validation.cli.arguments import CAMPAIGN_RANGES
+from validation.study.plots import png
 from validation.study.rows import append
 
 SEED = 1
@@ -474,8 +477,34 @@ def test_interrupted_campaign_goes_on_where_it_was(tmp_path, monkeypatch):
     run.campaign(parts, beams=20, wires=1, seeds=(SEED,), workers=0)
     assert len(computed) == 21 - (kept.count("\n") - 1)
     assert table_of(parts) == table_of(whole)
-    for name in ("stability.md", "stability.png"):
-        assert (parts / name).stat().st_size > 0
+    assert (parts / "stability.md").stat().st_size > 0
+    with Image.open(parts / "stability.png") as picture:
+        assert picture.mode == "RGB"
+
+
+def sampled(**cells):
+    """Scenes of a map, `cells` being steps: classes of the scenes; penalty 1e4 and slenderness 1 in all."""
+    rows = [(steps.strip("_"), each) for steps, found in cells.items() for each in found]
+    data = pd.DataFrame(rows, columns=["steps", "class"])
+    return data.assign(id="b000000", corner="", penalty="1e4", slenderness="1", load="1")
+
+
+def test_the_map_says_of_how_many_scenes_a_share_is():
+    few, many = ["limit_point", "completed", UNEXPLAINED], ["limit_point"] * 9 + ["completed"] * 71
+    figure = page.outcome_figure(sampled(_2=few, _30=many, _100=few[:2]))
+    axes = figure.axes[0]
+    written = {text.get_text(): text.get_position() for text in axes.texts}
+    assert list(written) == ["33", "of 3", "11", "of 80"]
+    (cross,) = zip(*axes.lines[0].get_data(), strict=True)  # in its cell, clear of the numbers
+    assert written["33"][0] < cross[0] < 1e5
+    assert written["33"][1] < cross[1] < 3.0
+
+
+def test_the_map_is_stored_in_the_colours_that_it_has():
+    """A palette would merge them, so that a larger share could be the paler one."""
+    figure = page.outcome_figure(sampled(_2=["limit_point"] * 4 + ["completed"] * 46))
+    stored = np.asarray(Image.open(io.BytesIO(png(figure, exact=True))))
+    np.testing.assert_array_equal(stored, np.asarray(figure.canvas.buffer_rgba())[..., :3])
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
 from validation.campaign.runs import KINDS
@@ -45,9 +46,14 @@ class Scale(NamedTuple):
     ticks: tuple[float, ...] = ()
     kind: str = "log"
 
+    def within(self, share: float) -> np.ndarray:
+        """The place in each cell that is such a share of its width, as drawn, from its lower edge."""
+        low, high = self.edges[:-1], self.edges[1:]
+        return low * (high / low) ** share if self.kind == "log" else low + (high - low) * share
+
 
 SCALES = {
-    "penalty": Scale("penalty K (N/mm$^k$)", np.geomspace(1e2, 1e10, 9)),
+    "penalty": Scale("penalty K (N/mm$^k$, each scene with its own k)", np.geomspace(1e2, 1e10, 9)),
     "steps": Scale("requested steps", np.array([1, 3, 8, 22, 63, 201]), (1, 3, 10, 30, 100)),
     "slenderness": Scale("height over mean diameter", np.geomspace(0.2, 7.0, 8), (0.2, 0.5, 1, 2, 5)),
     "load": Scale("relative load", np.linspace(0.0, 1.6, 9), (0, 0.4, 0.8, 1.2, 1.6), "linear"),
@@ -55,12 +61,15 @@ SCALES = {
 OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
 OTHER_FORCES = "by other forces as well"  # in the message of a path that says so
 FEWEST = 3  # scenes of a cell that is coloured
-DARK, SMALL, NO_DATA = 25.0, 5.5, "#dcdcdc"  # %: numbers on darker cells are white; pt; cells without data
+DARK, NO_DATA = 30.0, "#dcdcdc"  # %: numbers on darker cells are white; cells without data
+SHARE, COUNT = 5.5, 4.5  # pt
+LEVELS = np.linspace(0.0, 50.0, 11)  # %: a colour between each two
+CORNER = 0.13  # of a cell, from its upper right corner to its cross
 
 
 def write_page(data: pd.DataFrame, out: Path) -> None:
     """Write page and picture of the rows."""
-    write_files(drawn(outcome_figure(data), "stability"), out)
+    write_files(drawn(outcome_figure(data), "stability", exact=True), out)
     write_text(out / "stability.md", page(data))
     facts: dict[str, float] = {"seeds": data["seed"].nunique()}
     for name, counts in _counted(data["id"].str[0].map({"b": "beam", "w": "wire"}), data).iterrows():
@@ -146,7 +155,7 @@ def outcome_figure(data: pd.DataFrame) -> Figure:
                 mine = mine[~mine["corner"].isin(OTHER_UNITS)]
             mesh = _map(axes, mine, names)
             axes.set_title(f"({mark}) {TITLES[letter]}")
-        bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30, extend="max")
+        bar = figure.colorbar(mesh, ax=plots, shrink=0.7, aspect=30, ticks=LEVELS[::2])
         bar.set_label("share of scenes that end at\na confirmed critical point (%)")
         bar.outline.set_linewidth(0.5)
         crosses, grey = plots[0, 0].get_legend_handles_labels()[0]
@@ -156,7 +165,7 @@ def outcome_figure(data: pd.DataFrame) -> Figure:
 
 
 def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
-    """One map: cells with their share in per cent, crosses for the unexplained."""
+    """One map: cells with their share in per cent and of how many scenes, crosses where some are unexplained."""
     places, scales = data[list(names)].astype(float), [SCALES[name] for name in names]
     there = places[names[0]] > 0.0
     data, (x, y), edges = data[there], places[there].to_numpy().T, [scale.edges for scale in scales]
@@ -165,11 +174,11 @@ def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
     share, _, _ = np.histogram2d(x, y, bins=edges, weights=critical)
     cells = np.ma.masked_where(count < FEWEST, 100.0 * share / np.maximum(count, 1.0)).T
     axes.set_facecolor(NO_DATA)
-    look: Any = {"cmap": "Blues", "vmin": 0.0, "vmax": 50.0, "edgecolors": "white", "linewidth": 0.4}
+    look: Any = {"cmap": "Blues", "norm": BoundaryNorm(LEVELS, 256, extend="max")}
+    look |= {"edgecolors": "white", "linewidth": 0.4}
     mesh, middles = axes.pcolormesh(*edges, cells, **look), []
     for axis, scale, letter in zip((axes.xaxis, axes.yaxis), scales, "xy", strict=True):
-        low, high = scale.edges[:-1], scale.edges[1:]
-        middles.append(np.sqrt(low * high) if scale.kind == "log" else 0.5 * (low + high))
+        middles.append(scale.within(0.5))
         limits = {f"{letter}label": scale.label, f"{letter}lim": scale.edges[[0, -1]]}
         axes.set(**limits, **{f"{letter}scale": scale.kind})
         if scale.ticks:
@@ -177,12 +186,13 @@ def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
             axis.set_ticks([], minor=True)
     for row, column in zip(*np.nonzero(~np.ma.getmaskarray(cells)), strict=True):
         value, place = cells[row, column], (middles[0][column], middles[1][row])
-        colour = "white" if value > DARK else "black"
-        axes.text(*place, f"{value:.0f}", ha="center", va="center", fontsize=SMALL, color=colour)
-    inside = (x >= edges[0][0]) & (x <= edges[0][-1]) & (y >= edges[1][0]) & (y <= edges[1][-1])
-    odd = inside & (data["class"] == UNEXPLAINED).to_numpy()
-    look = {"color": RED, "markersize": 5, "markeredgewidth": 1.2, "clip_on": False, "in_layout": False}
-    axes.plot(x[odd], y[odd], "x", **look, label="unexplained")
+        look = {"ha": "center", "color": "white" if value > DARK else "black"}
+        axes.text(*place, f"{value:.0f}", va="bottom", fontsize=SHARE, **look)
+        axes.text(*place, f"of {count[column, row]:.0f}", va="top", fontsize=COUNT, **look)
+    odd, _, _ = np.histogram2d(x, y, bins=edges, weights=data["class"] == UNEXPLAINED)
+    corners = [scale.within(1.0 - CORNER)[np.nonzero(odd)[axis]] for axis, scale in enumerate(scales)]
+    look = {"color": RED, "markersize": 3.5, "markeredgewidth": 1.0}
+    axes.plot(*corners, "x", **look, label="unexplained scene in the cell")
     axes.plot([], [], "s", color=NO_DATA, label=f"fewer than {FEWEST} scenes")
     axes.grid(False)
     return mesh

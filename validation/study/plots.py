@@ -15,18 +15,19 @@ from PIL import Image
 
 from validation.study.style import BEAM_LINE, WIRE_LINE, Look
 
-COLOURS = 256  # of a stored picture; keeps the files small
+COLOURS = 256  # of a stored picture; keeps the files small, and is off by a few levels of 255
 FEW = 12  # steps of a curve whose points are marked
 
 
-def png(figure: Figure) -> bytes:
-    """A figure as PNG."""
+def png(figure: Figure, exact: bool = False) -> bytes:
+    """A figure as PNG; `exact`: in all its colours, where a colour is a value."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
-    drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-    picture = drawn.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    if not exact:
+        picture = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     stream = io.BytesIO()
-    picture.save(stream, format="png", dpi=(figure.dpi, figure.dpi))
+    picture.save(stream, format="png", dpi=(figure.dpi, figure.dpi), optimize=exact)
     return stream.getvalue()
 
 
@@ -39,9 +40,9 @@ def svg(figure: Figure, salt: str) -> bytes:
     return stream.getvalue()
 
 
-def drawn(figure: Figure, name: str) -> dict[str, bytes]:
-    """Files of a figure by name: PNG for Markdown, SVG for HTML."""
-    return {f"{name}.png": png(figure), f"{name}.svg": svg(figure, name)}
+def drawn(figure: Figure, name: str, exact: bool = False) -> dict[str, bytes]:
+    """Files of a figure by name: PNG for Markdown, SVG for HTML; `exact` as of `png`."""
+    return {f"{name}.png": png(figure, exact), f"{name}.svg": svg(figure, name)}
 
 
 def discs(axes: Axes, centres: np.ndarray, diameter: float, **look: Any) -> None:
