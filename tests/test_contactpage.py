@@ -90,8 +90,8 @@ def test_the_pairs_are_compared_with_the_finest():
     assert rows.loc[("A", "40"), "difference to 40"] == "0"
     assert rows.loc[("A", "4"), "difference to 40"] == "0.22 %"
     assert rows.loc[("B", "20"), "time over that of 4"] == "5.0"
-    left = "4 pairs per turn leave 0.030 mm of overlap on Spring {}, 40 pairs 0.030 mm. Its tips with 4 pairs are "
-    left += "0.22 % from those with 40 pairs, which are 0.025 % from those with 20."
+    left = "4 pairs per turn leave 0.030 mm of overlap on Spring {}, 40 pairs 0.030 mm. Its tips with 4 "
+    left += "pairs are 0.22 % from those with 40 pairs, which are 0.025 % from those with 20."
     assert all(left.format(name) in text for name in "AB")
     rough = data.assign(UY=data["UY"].where((data["spring"] == "B") | (data["pairs"] != 20), -8.1))
     moved = page(pairs=rough).split("4 pairs per turn leave")

@@ -16,6 +16,7 @@ from test_statements import NAMES, NUMBER
 from validation.reproduce import report
 from validation.reproduce.claims import DIFFERS, VERDICTS, claim_table
 from validation.reproduce.facts import B, facts, frictionless, mesh_error
+from validation.reproduce.figures import load_figure, tip_figure
 from validation.reproduce.phases import SOFTER, over_phases, phase_table, turned_by
 from validation.study import cases, paths, timing
 from validation.study.scenes import EXACT_ROD
@@ -127,6 +128,22 @@ def test_spring_b_needs_no_sliding():
     assert path.outcome == "limit_point"
     assert path.critical_time == pytest.approx(0.65, abs=0.01)
     assert path.times[-1] < path.critical_time
+
+
+@pytest.mark.parametrize(
+    ("name", "draw", "panels"), [("fig5", tip_figure, range(3, 6)), ("fig7", load_figure, [1])]
+)
+def test_differences_are_the_same_before_contact(name, draw, panels):
+    """With contact and without it is the same spring until its coils touch."""
+    data = pd.read_csv(Path(__file__).parents[1] / f"reports/paper/{name}.csv")
+    apart = np.ptp(data.filter(like="uy_mm_").filter(like="wirefe").to_numpy(), axis=1)
+    touching = int(np.flatnonzero(apart > 1e-6)[0])
+    assert touching > 10
+    figure = draw(data)
+    for place in panels:
+        contact, bare = (line.get_ydata() for line in figure.axes[place].lines[:2])
+        np.testing.assert_allclose(contact[:touching], bare[:touching], rtol=1e-5, atol=1e-5)
+        assert abs(contact[-1] - bare[-1]) > 0.1
 
 
 def test_overlaps():

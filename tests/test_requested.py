@@ -87,8 +87,9 @@ def test_the_bound_is_compared_with_the_rate():
     rows.loc[2, "own"] = 1e-4
     assert one.format("can") in said("failures", rows)
     rows.loc[rows.asked == 1e-3, "true"] = 2e-3
-    assert "At 1e-3, 400 of 400 answers are off by more than asked; the reference's own error can explain " in (
-        said("failures", rows)
+    assert (
+        "At 1e-3, 400 of 400 answers are off by more than asked; the reference's own error can explain "
+        in (said("failures", rows))
     )
     assert "can explain none of them" in said("failures", rows)
     rows.loc[rows.index[rows.asked == 1e-3][:3], "own"] = 1e-3

@@ -13,7 +13,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from coilspring import EquilibriumPath
-from coilspring.curves import over_peak
 from validation.reproduce.curves import CONTACT, TANGENTS, TIPS
 from validation.study import style
 from validation.study.plots import both, discs
@@ -21,6 +20,7 @@ from validation.study.style import TIPS as LABELS
 from validation.view.shapes import PARTS, PIXELS, Shapes, bands, overlaps, picture_frame, spaces, view
 
 DOTTED = (0, (1, 1.3))
+THOUSANDTHS = {"(mm)": "µm", "(rad)": "mrad"}
 DIFFERENCES: dict[str, style.Look] = {
     "contact": {"color": "black", "linewidth": 1.0},
     "no_contact": {"color": "black", "linewidth": 1.1, "linestyle": DOTTED},
@@ -58,14 +58,10 @@ def tip_figure(data: pd.DataFrame) -> Figure:
             beam, wire = _curves(data, tip, tag)
             both(axes, (load, beam), (load, wire))
             _name(axes, tag, load, beam, upper=(tag == "contact") == (beam[-1] < 0.0))
-            below.plot(load, _share(beam, wire), **DIFFERENCES[tag])
+            below.plot(load, 1e3 * _farther(beam, wire), **DIFFERENCES[tag])
         axes.set(ylabel=label, xlim=(0.0, load[-1]), title=f"({letter}) {label.split()[0]}")
-        below.set(xlabel="load |F| (N)")
+        below.set(xlabel="load |F| (N)", ylabel=f"beam farther\nby ({THOUSANDTHS[label.split()[1]]})")
         below.axhline(0.0, color="black", linewidth=0.5)
-    plots[1, 0].set_ylabel("beam softer by (%)")
-    limits = np.array([axes.get_ylim() for axes in plots[1]])
-    for axes in plots[1]:
-        axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
     _add_key(figure)
     return figure
 
@@ -79,10 +75,10 @@ def load_figure(data: pd.DataFrame) -> Figure:
         beam, wire = _curves(data, "uy_mm", tag)
         both(left, (-beam, load), (-wire, load))
         _name(left, tag, -beam, load, upper=tag == "contact")
-        right.plot(load, _share(beam, wire), **DIFFERENCES[tag])
+        right.plot(load, _farther(beam, wire), **DIFFERENCES[tag])
     left.set(xlabel="deflection −UY (mm)", ylabel="load |Fy| (N)", title="(a) Load and deflection")
     left.set(xlim=(0.0, -data.filter(like="uy_mm").to_numpy().min()), ylim=(0.0, load[-1]))
-    right.set(xlabel="load |Fy| (N)", ylabel="beam softer by (%)", title="(b) Difference of the models")
+    right.set(xlabel="load |Fy| (N)", ylabel="beam farther by (mm)", title="(b) Difference of the models")
     right.set(xlim=(0.0, load[-1]))
     right.axhline(0.0, color="black", linewidth=0.5)
     _add_key(figure)
@@ -123,9 +119,12 @@ def _curves(data: pd.DataFrame, tip: str, tag: str) -> tuple[np.ndarray, np.ndar
     return data[f"{tip}_{tag}_equivbeam"].to_numpy(), data[f"{tip}_{tag}_wirefe"].to_numpy()
 
 
-def _share(beam: np.ndarray, wire: np.ndarray) -> np.ndarray:
-    """Beam minus wire model in magnitude over the wire model's peak, %: positive where the beam is softer."""
-    return 100.0 * over_peak(np.abs(beam)[:, None], np.abs(wire)[:, None])[:, 0]
+def _farther(beam: np.ndarray, wire: np.ndarray) -> np.ndarray:
+    """Beam minus wire model in magnitude, positive where the beam is softer.
+
+    Over no peak: those with and without contact differ, and before contact the spring is the same.
+    """
+    return np.abs(beam) - np.abs(wire)
 
 
 def _name(axes: Axes, tag: str, x: np.ndarray, y: np.ndarray, upper: bool) -> None:
