@@ -362,3 +362,34 @@ def test_no_ring_and_no_legend_of_what_is_not_drawn(study):
     assert not any("beam" in name or "law" in name or name == "paper’s model" for name in fewer)
     assert "paper’s mesh" in fewer
     assert left < lines
+
+
+def test_the_key_says_which_steps_open_symbols_have(study):
+    """Load curves are drawn of runs of all their steps at least, shapes of fewer too."""
+
+    more = study[(study["role"] == "run") & (study["steps"] == STEPS)].assign(steps=2 * STEPS)
+    both = pd.concat((study, more), ignore_index=True)
+
+    def said(kind):
+        texts = [text.get_text() for text in figures.draw(both, kind).legends[0].get_texts()]
+        return [text for text in texts if text.startswith("open")]
+
+    assert both["steps"].min() < STEPS
+    assert said("curve") == ["open: more than 50 steps"]
+    assert said("shape") == ["open: other than 50 steps"]
+
+
+def test_the_caption_names_a_run_that_is_the_references_half(study):
+    """Its error is the floor by construction, not by how good it is."""
+    halved = study[study["role"] == "half mesh"].iloc[0]
+    mesh = (study["series"] == halved["series"]) & (study["elements_per_turn"] == halved["elements_per_turn"])
+    others = study[~mesh | (study["role"] != "run")]
+    run = others[others["role"] == "run"].iloc[[0]].assign(elements_per_turn=halved["elements_per_turn"])
+    made = dict.fromkeys(("date", "processor", "versions"), "")
+
+    def said(rows):
+        return page._markdown(rows, made, drawn=True).count("lies on it by construction")
+
+    assert said(others) == 0
+    assert said(pd.concat((others, run.assign(series=halved["series"])), ignore_index=True)) == 2
+    assert said(pd.concat((others, run.assign(series="straight")), ignore_index=True)) == 0

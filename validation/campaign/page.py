@@ -165,7 +165,7 @@ def outcome_figure(data: pd.DataFrame) -> Figure:
 
 
 def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
-    """One map: cells with their share in per cent and of how many scenes, crosses where some are unexplained."""
+    """One map: cells with their share in per cent and the number of scenes, crosses for unexplained ones."""
     places, scales = data[list(names)].astype(float), [SCALES[name] for name in names]
     there = places[names[0]] > 0.0
     data, (x, y), edges = data[there], places[there].to_numpy().T, [scale.edges for scale in scales]

@@ -38,9 +38,9 @@ COLUMNS_OF = {  # errors, the reference's own, and what they are multiplied by
     "shape": ("shape_max_mm", "reference_shape_error_mm", 1.0),
 }
 LABELS = {"curve": "error of the load curve (%)", "shape": "error of the shape (mm)"}
-# symbols have a white rim, so that those that lie on one another stay apart; open ones are smaller
-FILLED: Look = {"lw": 0.9, "zorder": 3.0, "ms": 3.8, "mec": "white", "mew": 0.4}
-OPEN: Look = {"ls": "none", "zorder": 2.5, "ms": 2.8, "mfc": "white", "mew": 0.7}
+# open symbols are larger and have no filling, so that a filled one under them is seen
+FILLED: Look = {"lw": 0.9, "zorder": 3.0, "ms": 3.0, "mec": "white", "mew": 0.3}
+OPEN: Look = {"ls": "none", "zorder": 3.2, "ms": 4.0, "mfc": "none", "mew": 0.6}
 RING: Look = {"linestyle": "none", "zorder": 2.0, "ms": 8.0, "mfc": "none", "mec": INK, "mew": 0.7}
 FRONT: Look = {"color": LIGHT, "linewidth": 3.2, "solid_joinstyle": "round", "zorder": 1.5}
 FLOOR: Look = {"facecolor": "#efefef", "edgecolor": "#a8a8a8", "hatch": "////", "lw": 0.0, "zorder": 0.5}
@@ -95,7 +95,7 @@ def draw(rows: pd.DataFrame, kind: str) -> Figure:
 
 
 def _panel(axes: Axes, part: pd.DataFrame, able: pd.DataFrame, kind: str) -> None:
-    """Filled symbols at the scene's steps, which a line joins where they are meshes; small open ones else."""
+    """Filled symbols at the scene's steps, which a line joins where they are meshes; open ones else."""
     for series in (*SERIES, PEER):
         mine = able[able["series"] == series]
         usual = mine[mine["steps"] == STEPS].sort_values("elements_per_turn")
@@ -124,7 +124,9 @@ def _key(shown: Sequence[pd.DataFrame]) -> Sequence[Line2D | Patch]:
     """Legend of what is drawn of the scenes."""
     every = pd.concat(shown)
     usual = [Line2D([], [], **_look(name, True)) for name in (*SERIES, PEER) if name in set(every["series"])]
-    other = Line2D([], [], **_look("curved", False) | {"label": f"open: other than {STEPS} steps"})
+    more = (every["steps"] >= STEPS).all()
+    words = f"open: {'more' if more else 'other'} than {STEPS} steps"
+    other = Line2D([], [], **_look("curved", False) | {"label": words})
     tangent = Line2D([], [], **PAPER_TANGENT, label="law haringx, paper’s tangent")
     front = Line2D([], [], **FRONT, label="Pareto front")
     names = {True: "paper’s mesh", False: "paper’s model"}

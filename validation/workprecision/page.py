@@ -82,6 +82,7 @@ def _markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
         peer_refused=((rows["role"] == results.LEFT_OUT) & (rows["series"] == PEER)).any(),
         reasons=results.reasons(rows),
         exact=(rows["role"] == "exact rod").any(),
+        half_is_run=results.has_half_mesh(rows),
         sticking=", ".join(map(title, sticking)),
         in_paper=bool(set(rows["scene"]) & PAPER_REDUCTION.keys()),
         geometries=[name for name in PER_TURN if (rows["geometry"] == name).any()],

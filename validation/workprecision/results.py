@@ -86,6 +86,13 @@ def front(rows: pd.DataFrame, error: pd.Series) -> list[int]:
     return found
 
 
+def has_half_mesh(rows: pd.DataFrame) -> bool:
+    """Whether a run has the mesh by which the reference's own error is measured."""
+    mesh = ["scene", "series", "elements_per_turn"]
+    halved, runs = (rows.loc[rows["role"] == role, mesh] for role in ("half mesh", "run"))
+    return not halved.merge(runs).empty
+
+
 def setting_of(row: Any) -> Setting:
     """The setting of a row."""
     return Setting(**{each.name: getattr(row, each.name) for each in fields(Setting)})
