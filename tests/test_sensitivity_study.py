@@ -48,7 +48,7 @@ from validation.sensitivity.changes import (
     worst,
 )
 from validation.sensitivity.changes import change as difference
-from validation.sensitivity.inputs import INPUTS, LIKE, NOT_GIVEN, READING, VARIED, inputs_of
+from validation.sensitivity.inputs import AGAINST, INPUTS, LIKE, NOT_GIVEN, READING, VARIED, inputs_of
 from validation.sensitivity.run import digest, sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.sensitivity.tornado import draw
@@ -266,6 +266,20 @@ def test_the_figure_has_a_key_of_what_is_drawn_and_letters_of_several_panels():
     alone = replace(study, data=rows.assign(outcome=rows["outcome"].where(rows["model"] == WIRE, NO_INPUT)))
     assert said(alone) == (["mine"], ["wire", "deviation"])  # the beam's bars are nowhere
     assert said(study, study)[0] == ["(a) mine", "(b) mine"]
+    starred = replace(study, inputs=(replace(named("E"), kind=AGAINST),))
+    assert said(starred)[1] == ["equivalent", "wire", "deviation", "the"]
+
+
+def test_crosses_stand_beside_the_bars():
+    """At zero they would cover a short bar, which starts there."""
+    base, moved = (TipCurve(np.ones(1), np.array([[0.0, y, 0.0]]), "completed", None) for y in (-1.0, -1.03))
+    found = {(model, "3"): (base, moved) for model in MODELS}
+    found |= {(WIRE, "4"): (base, TipCurve(np.ones(0), np.zeros((0, 3)), "limit_point", 0.5))}
+    rows = pd.DataFrame(input_rows(named("E"), found, dict.fromkeys(MODELS, base)), columns=COLUMNS)
+    axes = draw((Study("mine", rows.assign(case="mine"), (named("E"),), 1.0),)).axes[0]
+    (cross,) = (line for line in axes.lines if line.get_marker() == "x")
+    bars = [axes.transData.transform((patch.get_x() + patch.get_width(), 0.0))[0] for patch in axes.patches]
+    assert cross.get_transform().transform(cross.get_xydata())[0, 0] > max(bars)
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,8 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 PLACES = {BEAM: -0.5 * BAR, WIRE: 0.5 * BAR}
 LABELS = {BEAM: BEAM_LABEL, WIRE: WIRE_LABEL}
-END: dict[str, Any] = {"marker": "x", "color": "black", "markersize": 4.5, "markeredgewidth": 1.1}
+END: dict[str, Any] = {"marker": "x", "color": "black", "markersize": 4.0, "markeredgewidth": 1.0}
+STAR: dict[str, Any] = {"marker": "$*$", "color": "black", "markersize": 4.5, "linestyle": "none"}
 BAND: dict[str, Any] = {"facecolor": "#d9d9d9", "edgecolor": "none", "zorder": 0.5}
 VALUE = {"va": "center_baseline", "fontsize": 6.5, "zorder": 5.0}
 HATCH: dict[str, Any] = {"hatch.linewidth": 0.6}
@@ -66,6 +67,8 @@ def draw(studies: Sequence[Study]) -> Figure:
         others.append(
             Line2D([], [], linestyle="none", **END, label="a value ends short of full load (table)")
         )
+    if any(item.kind == AGAINST for study in studies for item in _drawn(study)):
+        others.append(Line2D([], [], **STAR, label="the paper's own result speaks against it"))
     figure.legend(handles=[*bars, *others], loc="outside lower center", ncols=2, columnspacing=1.6)
     return figure
 
@@ -90,7 +93,8 @@ def _panel(axes: Axes, study: Study, count: int) -> None:
             if low < high:
                 axes.barh(row + place, high - low, BAR, left=low, **LOOKS[model], zorder=2.0)
             if (bar["outcome"] != COMPLETED).any():
-                axes.plot(0.0, row + place, linestyle="none", **END, zorder=4.0)
+                edge = axes.get_yaxis_transform()  # beside all bars: they start where it would stand
+                axes.plot(1.0, row + place, linestyle="none", **END, transform=edge, clip_on=False)
         _values(axes, row, mine.dropna(subset=CURVE))
     if study.deviation is not None:
         axes.axvspan(-study.deviation, study.deviation, **BAND)
