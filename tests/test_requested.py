@@ -11,7 +11,7 @@ import pytest
 from coilspring import InputError
 from validation.study.template import statement
 from validation.verification import requested, requestedpage
-from validation.verification.requestedpage import FREE, HELD, OPEN, WIRES, WORDS, prepared, short
+from validation.verification.requestedpage import FREE, HELD, OPEN, ROUGH, WIRES, WORDS, prepared, short
 from validation.verification.requestedruns import ACCURACIES, REFUSED, springs
 
 ROOT = Path(__file__).parents[1]
@@ -113,7 +113,7 @@ def test_the_reference_is_exact_enough_or_not():
     assert "1e-6, which is smaller than the error" in said("reference", fake())
     assert "2e-3, which is not smaller than the error" in said("reference", fake(own=2e-3))
     assert "infinite" in said("reference", fake(own=math.inf))
-    assert said("reference", fake(contacts={OPEN: "none"})) == "No wires touch on these springs."
+    assert said("reference", fake(contacts={OPEN: "none"})) == "No spring has wires that slide freely."
 
 
 def test_times_turn():
@@ -135,8 +135,12 @@ def test_seeds_that_were_used_are_said_to_be():
 
 
 def test_contacts_that_no_spring_has():
-    assert "None has wires with friction or sticking wires" in said("contact", fake())
-    assert "None has" not in said("contact", fake(contacts={WIRES: "wires coulomb", HELD: "wires none"}))
+    assert "None has wires with friction or sticking wires: of these" in said("contact", fake())
+    rough = pd.concat(
+        fake(seed=seed, contacts={ROUGH: f"wires {how}"}) for seed, how in enumerate(("coulomb", "none"))
+    )
+    assert "None has" not in said("contact", rough)
+    assert f"20 springs have {ROUGH}" in said("contact", rough)
 
 
 def test_the_limits_say_what_the_springs_have_not(recorded):

@@ -17,11 +17,11 @@ from validation.verification.requestedruns import REFUSED
 
 SPRING = ["seed", "kind", "number"]  # what tells a spring from the others
 # What its coils do, as the page has it.
-OPEN, FREE, HELD, WIRES = (
-    *("coils that do not touch", "spheres that slide freely"),
-    *("spheres that stick or have friction", "wires that touch"),
+OPEN, FREE, HELD, WIRES, ROUGH = (
+    *("coils that do not touch", "spheres that slide freely", "spheres that stick or have friction"),
+    *("wires that slide freely", "wires that stick or have friction"),
 )
-COILS = (OPEN, FREE, HELD, WIRES)
+COILS = (OPEN, FREE, HELD, WIRES, ROUGH)
 RATE = 0.01  # of answers that are off by more than asked: the bound is compared with it
 MOST = 0.9  # share of the springs, of whose reference the error is said
 WORST = 10  # answers in the table of the worst
@@ -44,9 +44,9 @@ HEADS = {
 
 def prepared(rows: pd.DataFrame) -> pd.DataFrame:
     """The rows, with what coils do, the error over that asked for, the time over that of the cheapest run."""
-    touching, wires = rows.closed > 0, rows.contact.str.startswith("wires")
-    free = rows.contact == "spheres free"
-    coils = np.select([~touching, wires, free], [OPEN, WIRES, FREE], HELD)
+    spheres, free = rows.contact.str.startswith("spheres"), rows.contact.str.endswith("free")
+    which = [rows.closed == 0, spheres & free, spheres, free]
+    coils = np.select(which, [OPEN, FREE, HELD, WIRES], ROUGH)
     off, times = rows.true / rows.asked, rows.seconds / rows.cheapest
     return rows.assign(coils_do=coils, answered=rows.outcome != REFUSED, off=off, time=times)
 

@@ -30,7 +30,8 @@ COILS = 5.0  # at most: the reference takes seconds
 REFERENCE, FINER = (64, 1538, 4), (128, 1998, 8)
 LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
 DENSITIES = (4, 8, 16)  # stations for each element there, up to `MOST`
-# What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction.
+# What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction. The
+# reference of wires with friction, or that stick, takes minutes where many pairs close: there are none.
 CONTACTS: tuple[tuple[str, str, float | None], ...] = (
     *[("wires", "free", None)] * 4,
     *[("spheres", "free", None)] * 2,
