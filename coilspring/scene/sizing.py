@@ -18,6 +18,7 @@ from coilspring.scene.spring import Spring
 
 POINTS = 129  # of a section, at which nonlinear quantities are evaluated
 POINTS_PER_TURN = 72
+SINES = 12  # of which the first surge is made
 ROUNDING = 1e-9  # of the travel to solid
 QUADRATURE = 8  # Gauss points of a turn of wire
 # Effective over real length of a column whose bottom is clamped, by what holds the top.
@@ -51,8 +52,7 @@ class Sizes:
     stressed_at: float  # in turns from the first active point
     stress_factor: float  # of the wire's curvature, in it
     inner_factors: tuple[float, float]  # the same there by Wahl and by three-dimensional elasticity
-    # lowest natural frequency of the active wire along the axis, both ends held, without load or contact, Hz:
-    # 1/2 sqrt(rate / mass), which is d / (2 pi n D^2) sqrt(G / 2 rho) of a flat cylinder
+    # lowest natural frequency of the active wire along the axis, both ends held, without load or contact, Hz
     surge: float
     buckling: float | None  # shortening at which the straight spring buckles, mm; None where it does not
 
@@ -118,9 +118,25 @@ def sizes(scene: Scene) -> Sizes:
         stressed_at=float(coils.turns[np.argmax(stress)]),
         stress_factor=float(stress_factor(worst)),
         inner_factors=(wahl_factor(worst), inner_stress_factor(worst)),
-        surge=0.5 * math.sqrt(rate / mass),
+        surge=surge_number(coils) / TWO_PI * math.sqrt(rate / mass),
         buckling=buckling_shortening(scene),
     )
+
+
+def surge_number(coils: Along) -> float:
+    """First angular frequency along the axis between held ends, over sqrt(rate / mass).
+
+    It is pi for a cylinder, whose frequency is 1/2 sqrt(rate / mass), d / (2 pi n D^2) sqrt(G / 2 rho).
+    Any spring is taken for a rod with the compliance and the mass of its coils, -u'' = w^2 u dm/dx in the
+    share x of the compliance, and its deflection for a sum of sines (Rayleigh and Ritz).
+    """
+    turns, middle = np.diff(coils.turns), 0.5 * (coils.diameter[1:] + coils.diameter[:-1])
+    compliance, mass = middle**3 * turns, np.hypot(math.pi * coils.diameter, coils.pitch)
+    mass = 0.5 * (mass[1:] + mass[:-1]) * turns
+    x = (np.cumsum(compliance) - 0.5 * compliance) / compliance.sum()
+    waves = math.pi * np.arange(1, SINES + 1)
+    modes = math.sqrt(2.0) * np.sin(np.outer(waves, x)) / waves[:, None]
+    return float(1.0 / math.sqrt(np.linalg.eigvalsh(modes * (mass / mass.sum()) @ modes.T)[-1]))
 
 
 def solid_height(spring: Spring) -> float:
