@@ -28,7 +28,7 @@ from wirefe.contact.points import NONE
 from wirefe.element.algebra import lever, put
 from wirefe.element.poses import ROW, four, three
 from wirefe.element.rotations import turned
-from wirefe.mesh import WireMesh
+from wirefe.mesh import WHOLE, WireMesh
 from wirefe.rod import Rod
 
 HOLD = 100.0  # stiffness of the hold at the top, over that of the wire's last element
@@ -58,26 +58,35 @@ NO_PLATES = PlateArrays(NONE, EMPTY, EMPTY, NONE, EMPTY, EMPTY, np.zeros(3), np.
 def place_plates(spring: Spring, mesh: WireMesh, stiffness: float, rod: Rod) -> PlateArrays:
     """Plates of a spring: nodes of each end turn and of the coil next to it may touch its plate.
 
-    `stiffness` is that of the linear contact of a pair: as stiff along the wire as coils, tips for half an
-    element. The blocks are left empty. `rod` is its wire, joined to the top end.
+    `stiffness` is that of the linear contact of a pair: as stiff along the wire as coils. The blocks are left
+    empty. `rod` is its wire, joined to the top end.
     """
     phases, y = mesh.phases[:-1], mesh.points[:-1, 1]  # the last node is the top end itself
-    low = np.flatnonzero(phases < TWO_PI)
-    high = np.flatnonzero(phases > spring.phase_end - TWO_PI)
-    top = mesh.reference[1]
-    per_node = np.full(len(phases), stiffness * PAIRS_OF_STIFFNESS * (phases[1] - phases[0]) / TWO_PI)
-    per_node[[0, -1]] *= 0.5
+    low, below = _wire_within(phases, phases[0], TWO_PI)
+    high, above = _wire_within(phases, spring.phase_end - TWO_PI, phases[-1])
+    top, per_radian = mesh.reference[1], stiffness * PAIRS_OF_STIFFNESS / TWO_PI
     return NO_PLATES._replace(
         low=low,
         level=np.minimum(y[low], 0.0),
-        low_stiffness=per_node[low],
+        low_stiffness=per_radian * below,
         high=high,
         depth=np.minimum(top - y[high], 0.0),
-        high_stiffness=per_node[high],
+        high_stiffness=per_radian * above,
         tip=-mesh.arm,
         free=(~rod.held[-1]).astype(float),
         hold=HOLD * rod.stiffness[-2, 0, 0],
     )
+
+
+def _wire_within(phases: np.ndarray, begin: float, end: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes that stand for wire between two phases, and how much each: up to half way to its neighbours, rad.
+
+    So what is at an end counts by its share, and the last digit of its phase decides nothing.
+    """
+    borders = np.concatenate((phases[:1], 0.5 * (phases[1:] + phases[:-1]), phases[-1:]))
+    share = np.minimum(borders[1:], end) - np.maximum(borders[:-1], begin)
+    nodes = np.flatnonzero(share > WHOLE * (phases[1] - phases[0]))
+    return nodes, share[nodes]
 
 
 def join_top(rod: Rod) -> Rod:
