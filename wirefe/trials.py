@@ -24,8 +24,7 @@ ACCURACIES = (1e-5, 1e-2)  # that may be asked for
 # Errors over what differences of paths tell, at most, as measured on random springs.
 SMOOTH = 3.0  # of the last path where errors fall evenly
 STEADY = 2.0  # of the last path where they do, and two before it tell alike
-UNEVEN = 8.0  # of the last path where errors fall unevenly
-ON_PLATES = 10.0  # of the last path where plates make them do so
+UNEVEN = 10.0  # of the last path where errors fall unevenly
 ALIKE = 1.5  # ratio of the errors that two paths tell, below which they tell alike
 CHANCE = 1e-3  # accuracy up to which two paths agree too often by chance with stations or friction: three do
 SHARE = 0.5  # least resolution of a mesh with few stations, as a share of its level
@@ -197,7 +196,7 @@ class Trials:
     def safety(self) -> float:
         """Error over what the constant tells, at most."""
         if self.uneven:
-            return ON_PLATES if on_plates(self.levels.scene) else UNEVEN
+            return UNEVEN
         if len(self.found) > 2 and max(self.told[-2:]) < ALIKE * min(self.told[-2:]):
             return STEADY
         return SMOOTH
