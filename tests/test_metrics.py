@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import coilspring
-import validation.study.metrics
 from coilspring import EquilibriumPath
 from coilspring.curves import compare_paths
+from validation.study.metrics import tip_deviation
 
 
 @dataclass(frozen=True)
@@ -102,5 +102,9 @@ def test_nothing_in_common_is_not_a_number():
         assert np.isnan([found.curve_max, found.curve_rms, found.shape_max, found.shape_rms]).all()
 
 
-def test_scripts_find_the_comparison_where_it_was():
-    assert validation.study.metrics.compare_paths is compare_paths
+def test_tips_deviate_in_the_components_that_are_free():
+    tips = np.array([[-2.0, 4.0, 1e-3], [-2.02, 5.0, np.nan], [-2.02, np.nan, 0.0]])
+    found = tip_deviation(tips, np.array([-2.02, 4.0, 1e-12]))
+    assert found == pytest.approx([0.02 / 2.02, 0.25, np.nan], nan_ok=True)
+    assert tip_deviation(tips[0], np.zeros(3)) == 0.0
+    assert np.isnan(tip_deviation(tips[0], tips[1]))

@@ -10,7 +10,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 import wirefe
@@ -23,6 +22,7 @@ from validation.study import template
 from validation.study.files import write_facts, write_text
 from validation.study.frames import view
 from validation.study.machine import machine, versions
+from validation.study.metrics import tip_deviation
 from validation.study.partialsolve import EndedEarly, partial_path
 from validation.study.timing import announced, interleaved, quartiles, spread
 
@@ -32,7 +32,6 @@ STEPS = 50  # of the paper
 LADDER = (1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, STEPS)
 AGREEMENT = 0.002  # of the tip: between the codes, and of few steps with `STEPS`
 ROUNDS = 5
-FREE = 1e-9  # mm, rad: a tip's component below is the rounding of one that is held
 PAGE = template.template(Path(__file__).with_name("timing.md"))
 TIMES: dict[str, Callable[[Any], object]] = {
     "ratio": lambda row: spread(row, "ratio"),
@@ -67,12 +66,6 @@ def runs_of(scene: Scene, peer: ModuleType) -> dict[str, Run]:
     return {"wirefe": wire, "opensees": beside}
 
 
-def deviation(tip: np.ndarray, reference: np.ndarray) -> float:
-    """Largest relative difference of the components that are not held."""
-    free = np.abs(reference) > FREE
-    return float(np.max(np.abs(tip - reference)[free] / np.abs(reference[free])))
-
-
 def sufficient(run: Run, name: str) -> dict[int, PeerCurve]:
     """Curves of a code in the numbers of steps of `LADDER` that give the tip of `STEPS`.
 
@@ -84,7 +77,7 @@ def sufficient(run: Run, name: str) -> dict[int, PeerCurve]:
     curves = {steps: run(steps) for steps in LADDER}
     whole = {steps: curve for steps, curve in curves.items() if len(curve.times) == steps}
     tip = reference.tips[-1]
-    return {steps: curve for steps, curve in whole.items() if deviation(curve.tips[-1], tip) <= AGREEMENT}
+    return {steps: curve for steps, curve in whole.items() if tip_deviation(curve.tips[-1], tip) <= AGREEMENT}
 
 
 def timed(name: str, runs: Mapping[str, Run], rounds: Iterable[object]) -> pd.DataFrame:
@@ -106,7 +99,7 @@ def timed(name: str, runs: Mapping[str, Run], rounds: Iterable[object]) -> pd.Da
             row |= {f"{code}_tip": curves[code][n].tips[-1]}
         wire, peer = (seconds[code, steps[code]] for code in CODES)
         row |= quartiles("ratio", peer / wire)
-        rows.append(row | {"difference": deviation(row["opensees_tip"], row["wirefe_tip"])})
+        rows.append(row | {"difference": tip_deviation(row["opensees_tip"], row["wirefe_tip"])})
     return pd.DataFrame(rows)
 
 

@@ -13,6 +13,7 @@ from coilspring import EquilibriumPath, InputError, Material, Scene, Spring
 from coilspring.curves import COMPONENTS
 from coilspring.scene.solidwire import wire_flexibility
 from validation.solid.hexahedra import COARSE, FINE, MIDDLE, deflection, flexibility, mesh_coils
+from validation.study.metrics import tip_deviation
 from validation.study.partialsolve import partial_path
 from wirefe.results.linear import tip_flexibility
 
@@ -89,9 +90,7 @@ def deflections(scene: Scene) -> pd.DataFrame:
     tips, finest = np.array([tip for *_, tip in rows]), len(rows) - len(TITLES) * len(KINDS) - 1
     data = pd.DataFrame([row[:2] for row in rows], columns=["model", "wire"])
     data[[*COMPONENTS]] = tips
-    peak = np.abs(tips[finest])
-    moved = ~(peak <= 1e-6 * peak.max())
-    data["off"] = 100.0 * (np.abs(tips - tips[finest])[:, moved] / peak[moved]).max(axis=1)
+    data["off"] = 100.0 * tip_deviation(tips, tips[finest])
     return data
 
 

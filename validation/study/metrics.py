@@ -1,10 +1,22 @@
-"""What a study says of many paths, beside the deviation of two; see `coilspring.curves`."""
+"""What studies say of tips and of many paths; for the deviation of two paths see `coilspring.curves`."""
 
-from coilspring.curves import Comparison, compare_paths
+import numpy as np
 
-__all__ = ["Comparison", "compare_paths", "upper_bound"]  # scripts import the first two from here
+from coilspring.curves import NEGLIGIBLE
 
 CONFIDENCE = 0.95
+
+
+def moved(tip: np.ndarray) -> np.ndarray:
+    """Which components of a tip move; the others are fixed, or only rounding."""
+    sizes = np.abs(tip)
+    return ~(sizes <= NEGLIGIBLE * sizes.max())
+
+
+def tip_deviation(tips: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """Largest relative deviation of tips (..., components) in the components that the reference moves."""
+    free = moved(reference)
+    return np.max(np.abs(tips - reference)[..., free] / np.abs(reference[free]), axis=-1, initial=0.0)
 
 
 def upper_bound(count: int, of: int) -> float:

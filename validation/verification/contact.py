@@ -15,13 +15,13 @@ import wirefe
 from coilspring import Contact, EquilibriumPath, Load, Scene, load_scene, spring_a, spring_b
 from validation.study import template
 from validation.study.files import write_facts, write_text
+from validation.study.metrics import moved, tip_deviation
 from validation.study.partialsolve import partial_path
 from wirefe.contact.points import ContactArrays
 from wirefe.results.shape import contact_centres
 
 NONE = np.inf  # no sliding
 TIPS = ("UX", "UY", "ROTZ")
-HELD = 1e-9  # tips below are the rounding of fixed degrees of freedom
 CYCLE = Load(stages=((0.0, -80.0), (0.0, 0.0)), steps=100)  # of a progressive valve spring
 SPRINGS: dict[str, Callable[[], Scene]] = {
     "A": spring_a,
@@ -138,10 +138,10 @@ def measures(path: EquilibriumPath) -> dict[str, Any]:
     }
 
 
-def difference(tips: pd.DataFrame, reference: pd.Series) -> pd.Series:
-    """Largest difference of a tip's component over that component, of those that the reference moves."""
-    moved = [name for name in TIPS if abs(reference[name]) > HELD]
-    return ((tips[moved] - reference[moved]).abs() / reference[moved].abs()).astype(float).max(axis=1)
+def difference(runs: pd.DataFrame, reference: pd.Series) -> np.ndarray:
+    """Deviation of the runs' tips from that of a reference."""
+    names = list(TIPS)
+    return tip_deviation(runs[names].to_numpy(float), reference[names].to_numpy(float))
 
 
 def centres(path: EquilibriumPath, step: int) -> tuple[ContactArrays, np.ndarray]:
@@ -177,10 +177,10 @@ def limit_point() -> dict[str, Any]:
     contact, before = centres(path, limit - 3)
     _, after = centres(path, limit + 1)
     lower, upper = contact.pairs.T
-    moved = (after[upper] - after[lower]) - (before[upper] - before[lower])
-    most = int(np.argmax(np.linalg.norm(moved, axis=1) * (path.gaps[limit + 1] < 0.0)))
+    motion = (after[upper] - after[lower]) - (before[upper] - before[lower])
+    most = int(np.argmax(np.linalg.norm(motion, axis=1) * (path.gaps[limit + 1] < 0.0)))
     along = np.cross([0.0, 1.0, 0.0], after[lower[most]])
-    share = abs(moved[most] @ along) / np.linalg.norm(along) / np.linalg.norm(moved[most])
+    share = abs(motion[most] @ along) / np.linalg.norm(along) / np.linalg.norm(motion[most])
     found = {"traced": path.options["pairs_found"], "limit": path.times[limit], "circ": 100.0 * share}
     return found | {"first": lower[most], "second": upper[most]}
 
@@ -192,8 +192,9 @@ def two_figures(share: float) -> str:
 
 def tip(run: Mapping[str, Any], components: int = 3) -> str:
     """Cells of the first components of a run's tip."""
-    values = [run[name] for name in TIPS[:components]]
-    return " | ".join(f"{value:.4f}" if abs(value) > HELD else "0" for value in values)
+    values = np.array([run[name] for name in TIPS])
+    texts = [f"{value:.4f}" if free else "0" for value, free in zip(values, moved(values), strict=True)]
+    return " | ".join(texts[:components])
 
 
 def coefficient(mu: float) -> str:

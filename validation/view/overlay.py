@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from coilspring import EquilibriumPath
 from coilspring.curves import COMPONENTS, Curve, over_peak
 from validation.study import style
+from validation.study.metrics import moved
 from validation.study.plots import both, discs, png, to_scale
 
 LABELS = dict(zip(COMPONENTS, style.TIPS, strict=True))
@@ -20,7 +21,6 @@ KEY: tuple[style.Look, ...] = (
     {**style.WIRE_LINE, "label": style.WIRE_LABEL},
 )
 REST: style.Look = {"color": style.GREY, "marker": "o", "linestyle": "", "markerfacecolor": "none"}
-HELD = 1e-9  # mm, rad: tips below are the rounding of fixed degrees of freedom
 
 
 def overlay(beam: EquilibriumPath, wire: EquilibriumPath) -> bytes:
@@ -36,10 +36,10 @@ def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
     Else each component that moves, against the load; where UY is prescribed the axial force.
     """
     most = np.max([np.abs(path.tips).max(axis=0, initial=0.0) for path in (beam, wire)], axis=0)
-    moved = [name for name, size in zip(COMPONENTS, most, strict=True) if size > HELD]
+    free = np.array(COMPONENTS)[moved(most)].tolist()
     figure = Figure(figsize=(style.DOUBLE, 4.4), layout="constrained")
-    axial = moved == ["uy"]
-    names = ["curve", "difference"] if axial else moved or list(COMPONENTS)
+    axial = free == ["uy"]
+    names = ["curve", "difference"] if axial else free or list(COMPONENTS)
     heights = (2.2, 1.0) if axial else [1.0] * len(names)
     rows: Any = [[name, "shape"] for name in names]
     plots = figure.subplot_mosaic(rows, width_ratios=(1.15, 1.0), height_ratios=heights)
