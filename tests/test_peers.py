@@ -287,7 +287,7 @@ def test_the_difference_goes_as_far_as_both_over_the_peak_of_the_wire_model():
 
 
 def test_curves_stand_side_by_side():
-    rows = compared(4, 2).csv().splitlines()
+    rows = compared(4, 2).csv().decode().splitlines()
     assert rows[0] == "time,ux_wirefe,uy_wirefe,rotz_wirefe,ux_opensees,uy_opensees,rotz_opensees"
     assert len(rows) == 5
     assert rows[2].startswith("0.5,")

@@ -19,6 +19,7 @@ from validation.reproduce.facts import B, facts, frictionless, mesh_error
 from validation.reproduce.figures import load_figure, tip_figure
 from validation.reproduce.phases import SOFTER, over_phases, phase_table, turned_by
 from validation.study import cases, paths, timing
+from validation.study.document import Table
 from validation.study.scenes import EXACT_ROD
 from validation.study.template import statement, template, unwrapped
 from validation.view import shapes
@@ -170,3 +171,8 @@ def test_the_frame_of_a_picture_holds_the_wires():
 
 def test_spread_is_median_and_quartiles():
     assert timing.quartiles("s", [4.0, 1.0, 2.0, 3.0, 5.0]) == {"s": 3.0, "s_q1": 2.0, "s_q3": 4.0}
+
+
+def test_a_table_as_a_csv_file():
+    table = Table(("case", "µ, words"), (("a", ""), ('a "b"', "x, y")))
+    assert table.csv() == 'case,"µ, words"\na,\n"a ""b""","x, y"\n'.encode()

@@ -258,7 +258,7 @@ def referee(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
         values = {"scene": scene.name, "peer": peer, "remark": found.remark, "steps": found.rows}
         seconds = {"wirefe": found.wire.solve_seconds, peer: found.peer.seconds}
         summary = {**values, "curve_max": found.difference, "ended_early": found.early, "seconds": seconds}
-        write_files({f"{peer}.json": json_bytes(summary), f"{peer}.csv": found.csv().encode()}, folder)
+        write_files({f"{peer}.json": json_bytes(summary), f"{peer}.csv": found.csv()}, folder)
     failure = f"{'; '.join(found.early)}; what was reached is written" if found.early else ""
     return [*found.lines(), f"written to {folder}"], failure
 

@@ -57,14 +57,16 @@ class PeerComparison:
         both = (("wirefe", Curve.of(self.wire).by_name), (self.peer.code, self.peer.curve.by_name))
         return [(code, {uy if name == "uy" else name: found[name] for name in found}) for code, found in both]
 
-    def csv(self) -> str:
+    def csv(self) -> bytes:
         """Both curves, one row a step that either has reached."""
         import pandas as pd
+
+        from validation.study.frames import to_csv
 
         both = [pd.DataFrame(found).add_suffix(f"_{code}") for code, found in self._named()]
         data = pd.concat(both, axis=1)
         data.insert(0, "time", np.arange(1, len(data) + 1) / self.scene.load.rows)
-        return data.to_csv(index=False, lineterminator="\n", float_format="%.9g")
+        return to_csv(data, digits=9)
 
     def lines(self) -> list[str]:
         """For a reader at the terminal."""

@@ -11,7 +11,7 @@ import numpy as np
 from coilspring import CATALOGUE
 from validation.peers.comparison import PeerComparison, compare
 from validation.study import template
-from validation.study.files import write_text
+from validation.study.files import write_bytes, write_text
 from validation.study.machine import machine, versions
 
 FOLDER = Path("reports", "referee")
@@ -37,7 +37,7 @@ def main(code: str) -> None:
     for name, scene in CATALOGUE.items():
         comparisons[name] = compare(scene(), code)
         print(name, *comparisons[name].lines(), sep="\n", flush=True)
-        write_text(FOLDER / f"referee-{code}-{name}.csv", comparisons[name].csv())
+        write_bytes(FOLDER / f"referee-{code}-{name}.csv", comparisons[name].csv())
     write_text(FOLDER / f"referee-{code}.md", page(code, comparisons))
 
 

@@ -16,7 +16,6 @@ from validation.reproduce import claims, facts, phases, report, times
 from validation.reproduce.assembly import PAGE
 from validation.reproduce.curves import TIPS, both_models, iteration_counts
 from validation.study import frames
-from validation.study.document import Table
 from validation.study.files import FACTS, json_bytes, write_files
 from validation.study.paths import PathStore
 from validation.study.provenance import FILE, provenance
@@ -100,8 +99,8 @@ class Maker:
         """Deformed springs; the figure in space is rendered in a process of its own while work goes on."""
         panels = tuple(shapes.shapes(self.paths, scene) for scene in SPRINGS[name])
         rendering = self.cleanup.enter_context(Drawing("panels").give(panels)) if self.render else None
-        files = _csv(name, shapes.centreline_table(panels))
-        files |= _csv(f"{name}-plane", shapes.circle_table(panels))
+        files = {f"{name}.csv": shapes.centreline_table(panels).csv()}
+        files |= {f"{name}-plane.csv": shapes.circle_table(panels).csv()}
         files |= self.picture(f"{name}-plane", lambda figures: figures.plane_figure(panels))
         if rendering is None:
             self.paths.store.put(key, files)
@@ -124,11 +123,6 @@ class Maker:
         return files
 
 
-def _csv(name: str, table: Table) -> Files:
-    """A table as a CSV file."""
-    return {f"{name}.csv": frames.to_csv(pd.DataFrame(table.rows, columns=list(table.header)))}
-
-
 def _report(maker: Maker, table3: bytes) -> Files:
     """The reproduction's page; all pictures are there when it is made."""
     paths, seconds = maker.paths, frames.read_csv(io.BytesIO(table3))
@@ -139,7 +133,7 @@ def _report(maker: Maker, table3: bytes) -> Files:
     maker.finish()
     return {
         **picture,
-        **_csv("claims", claims.claim_table(known)),
+        "claims.csv": claims.claim_table(known).csv(),
         "phases.csv": frames.to_csv(turned),
         PAGE: report.compose(known, paths, seconds, turned, maker.render, maker.warnings).encode(),
         FILE: provenance("coilcheck reproduce"),
@@ -149,8 +143,8 @@ def _report(maker: Maker, table3: bytes) -> Files:
 
 SPRINGS = {"fig4": ("spring-a-no-contact", "spring-a"), "fig6": ("spring-b-no-contact", "spring-b")}
 MAKERS: dict[str, Callable[[Maker, bytes], Files]] = {
-    "table1": lambda *_: _csv("table1", report.table1()),
-    "table2": lambda *_: _csv("table2", report.table2()),
+    "table1": lambda *_: {"table1.csv": report.table1().csv()},
+    "table2": lambda *_: {"table2.csv": report.table2().csv()},
     "table3": lambda _, table3: {"table3.csv": table3},
     "fig5": lambda maker, _: maker.curves(
         "fig5", both_models(maker.paths, "spring-a", TIPS), lambda figures: figures.tip_figure

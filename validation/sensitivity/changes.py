@@ -18,8 +18,8 @@ from coilspring.curves import COMPONENTS, over_peak
 from validation.sensitivity.inputs import OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import CASES
-from validation.study.files import write_text
-from validation.study.frames import formatted
+from validation.study.files import write_bytes
+from validation.study.frames import frame_table
 from validation.study.models import BEAM, MODELS, WIRE
 from validation.study.partialsolve import ending
 from validation.study.paths import PathStore
@@ -196,5 +196,5 @@ def worst(data: pd.DataFrame, model: str, kinds: Collection[str]) -> pd.Series:
 
 def write_csv(studies: Sequence[Study], out: Path) -> None:
     """Write ``sensitivity.csv``; of a prescribed displacement the axial force stands for UY."""
-    texts = formatted(pd.concat([study.data for study in studies], ignore_index=True)[list(COLUMNS)], FORMATS)
-    write_text(out / "sensitivity.csv", texts.to_csv(index=False, lineterminator="\n"))
+    data = pd.concat([study.data for study in studies], ignore_index=True)[list(COLUMNS)]
+    write_bytes(out / "sensitivity.csv", frame_table(data, FORMATS).csv())

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import pandas as pd
@@ -28,19 +29,14 @@ def read_csv(file: Path | BytesIO) -> pd.DataFrame:
     return pd.read_csv(file, keep_default_na=False, na_values=["", "nan"])
 
 
-def formatted(data: pd.DataFrame, formats: Mapping[str, Format]) -> pd.DataFrame:
-    """The data as texts, columns by their formats; empty where there is no value."""
+def frame_table(data: pd.DataFrame, formats: Mapping[str, Format] = MappingProxyType({})) -> Table:
+    """The columns of a DataFrame as a table, by their formats; empty where there is no value."""
     texts = {}
     for name in data.columns:
         form = formats.get(str(name), "{}")
         texts[name] = data[name].map(form.format if isinstance(form, str) else form, na_action="ignore")
-    return pd.DataFrame(texts, dtype=object).fillna("")
-
-
-def frame_table(data: pd.DataFrame, formats: Mapping[str, Format] | None = None) -> Table:
-    """The columns of a DataFrame as a table."""
-    texts = formatted(data, formats or {})
-    return Table(tuple(map(str, texts.columns)), tuple(texts.itertuples(index=False, name=None)))
+    rows = pd.DataFrame(texts, dtype=object).fillna("").itertuples(index=False, name=None)
+    return Table(tuple(map(str, data.columns)), tuple(rows))
 
 
 def view(data: pd.DataFrame, columns: Mapping[str, Callable[[Any], object]]) -> Table:

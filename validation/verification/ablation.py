@@ -23,7 +23,7 @@ from validation.study import template
 from validation.study.cases import CASES, turned
 from validation.study.document import Table
 from validation.study.files import write_facts, write_text
-from validation.study.frames import frame_table, write_csv
+from validation.study.frames import frame_table, read_csv, write_csv
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
 from validation.study.scenes import EXACT_ROD
@@ -187,10 +187,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         write_csv(measured(), FOUR)
         write_csv(randomsprings.study(), randomsprings.CSV, digits=4)
         write_provenance(command, FOUR.parent)
-    springs = pd.read_csv(randomsprings.CSV)
+    springs = read_csv(randomsprings.CSV)
     randompage.write_figure(springs)
     write_facts(randompage.facts(springs), FOUR.parent)
-    write_text(PAGE, page(pd.read_csv(FOUR), springs))
+    write_text(PAGE, page(read_csv(FOUR), springs))
 
 
 if __name__ == "__main__":

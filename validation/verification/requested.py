@@ -15,6 +15,7 @@ import pandas as pd
 
 from coilspring import InputError
 from validation.study.files import write_text
+from validation.study.frames import read_csv
 from validation.study.rows import Row, append, whole_rows, write
 from validation.verification.requestedpage import page, prepared, summary
 from validation.verification.requestedruns import ACCURACIES, COLUMNS, EACH, SEED, rows, springs
@@ -34,7 +35,7 @@ def study(folder: Path, each: int = EACH, seeds: Iterable[int] = (SEED,)) -> pd.
             if (str(drawn.seed), drawn.kind, str(drawn.number)) not in known:
                 found = pd.DataFrame(rows(drawn, scene)).astype(object).fillna("")
                 append(found.to_dict("records"), target, COLUMNS)
-    return pd.read_csv(target)
+    return read_csv(target)
 
 
 def _complete(found: Iterable[Row]) -> dict[tuple[str, ...], list[Row]]:
@@ -57,7 +58,7 @@ def record(files: Iterable[Path], folder: Path = RECORD) -> None:
     if len(set(heads)) > 1:
         raise InputError("rows of runs must have the same columns")
     folder.mkdir(parents=True, exist_ok=True)
-    frame = pd.concat([pd.read_csv(file) for file in files])
+    frame = pd.concat([read_csv(file) for file in files])
     if frame.duplicated(["seed", "kind", "number", "asked"]).any():
         raise InputError("a spring must be in one run alone, got one that is in two")
     write_text(folder / CSV, "\n".join((heads[0], "".join(bodies))))
@@ -79,7 +80,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         return
     if chosen.page:
         record(chosen.page)
-    write_text(PAGE, page(pd.read_csv(RECORD / CSV)))
+    write_text(PAGE, page(read_csv(RECORD / CSV)))
 
 
 if __name__ == "__main__":
