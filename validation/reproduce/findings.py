@@ -3,7 +3,6 @@
 Their words are in ``findings.md``; here is what these read of the records.
 """
 
-import csv
 import json
 import textwrap
 from collections.abc import Sequence
@@ -11,9 +10,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from validation.peers.timing import SCENES
 from validation.reproduce.claims import CASE_NAMES, FUNCTIONS
 from validation.study.files import FACTS, write_text
+from validation.study.frames import read_csv
 from validation.study.models import MODELS
 from validation.study.template import Facts, page, template
 
@@ -22,15 +24,21 @@ REPORTS = ROOT / "reports"
 REPRODUCTION = REPORTS / "paper" / FACTS
 PAGE = Path("docs/findings.md")
 WIDTH = 110
+MESH = ("scene", "role", "series", "elements_per_turn", "pairs_per_turn", "steps")
+ROWS = {  # columns that name a row of a study's numbers
+    "sensitivity/sensitivity": ("case", "model", "input", "value"),
+    "errorbudget/fourcases": ("table", "row", "case"),
+    "workprecision/workprecision": MESH,
+}
 
 
-class Records(dict[str, Any]):
+class Records(dict[Any, Any]):
     """Recorded numbers as facts by key: those of the reproduction, and of other studies when asked for.
 
     ``spring-a.curve``: a fact of the reproduction.
     ``tangents: spring-a.exact``: a fact of another study, by its folder.
-    ``errorbudget/fourcases > table=law | row=helix law | case=Spring B > value``: a cell of a study's
-    numbers, by the file, what the row has, and the column. A cell is a number where it can be read as one.
+    ``("errorbudget/fourcases", "value", "law", "helix law", "Spring B")``: a cell of a study's
+    numbers, by the file, the column, and what the row has in the columns of `ROWS`.
 
     Raises
     ------
@@ -40,14 +48,15 @@ class Records(dict[str, Any]):
     def __init__(self) -> None:
         super().__init__(_facts(REPRODUCTION))
 
-    def __missing__(self, key: str) -> Any:
-        match key.split(" > "):
-            case [name] if ": " in name:
-                study, _, name = name.partition(": ")
-                return _facts(REPORTS / study / FACTS)[name]
-            case [file, row, column]:
-                return _cell(REPORTS / f"{file}.csv", row, column)
-        raise KeyError(key)
+    def __missing__(self, key: str | tuple[Any, ...]) -> Any:
+        if isinstance(key, tuple):
+            file, column, *row = key
+            found = _rows(file).loc[[tuple(row)], column]
+            if len(found) != 1:
+                raise KeyError(f"{len(found)} rows with {row} in {file}")
+            return found.item()
+        study, _, name = key.partition(": ")
+        return _facts(REPORTS / study / FACTS)[name]
 
 
 @cache
@@ -59,25 +68,13 @@ def _facts(file: Path) -> dict[str, Any]:
 
 
 @cache
-def _rows(file: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(file.read_text(encoding="utf-8").splitlines()))
-
-
-def _cell(file: Path, row: str, column: str) -> Any:
-    wanted = dict(part.split("=", 1) for part in row.split(" | "))
-    found = [cells[column] for cells in _rows(file) if wanted.items() <= cells.items()]
-    if len(found) != 1:
-        raise KeyError(f"{len(found)} rows with {row} in {file}")
-    try:
-        return float(found[0])
-    except ValueError:
-        return found[0]
+def _rows(file: str) -> pd.DataFrame:
+    return read_csv(REPORTS / f"{file}.csv").set_index(list(ROWS[file]), drop=False)
 
 
 def varied(f: Facts, column: str, spring: str, model: str, name: str, value: str) -> Any:
     """A column of the sensitivity study: one value of one input in one model."""
-    row = f"case={spring} | model={model} | input={name} | value={value}"
-    return f[f"sensitivity/sensitivity > {row} > {column}"]
+    return f["sensitivity/sensitivity", column, spring, model, name, value]
 
 
 def largest(
@@ -89,7 +86,7 @@ def largest(
 
 def cell(f: Facts, table: str, row: str, case: str) -> float:
     """A number of the error budget of the four cases, %."""
-    return f[f"errorbudget/fourcases > table={table} | row={row} | case={case} > value"]
+    return f["errorbudget/fourcases", "value", table, row, case]
 
 
 def random_errors(f: Facts, group: str) -> list[float]:
@@ -104,8 +101,7 @@ def peers(f: Facts, name: str) -> list[float]:
 
 def measured(f: Facts, element: str, elements: int, column: str) -> float:
     """A number of the work-precision study: Spring B on a wire mesh, 50 steps."""
-    mesh = f"series={element} | elements_per_turn={elements} | pairs_per_turn=4 | steps=50"
-    return f[f"workprecision/workprecision > scene=spring-b | {mesh} | role=run > {column}"]
+    return f["workprecision/workprecision", column, "spring-b", "run", element, elements, 4, 50]
 
 
 def solids(f: Facts, model: str, wire: str) -> list[float]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
-Facts = Mapping[str, Any]  # numbers, words, tuples of numbers; None where there is none
+Facts = Mapping[Any, Any]  # by name: numbers, words, tuples of numbers; None where there is none
 
 
 def percent(share: float, digits: int = 2) -> str:
