@@ -170,7 +170,7 @@ def test_a_page_of_whatever_is_found(rows):
 
 
 def test_numbers_as_accuracies_are_written():
-    values = [1e-2, 1e-4, 1.23e-4, 0.123, 2.46, 12.3, 102.0, 0.0, math.inf, math.nan]
+    values = [1e-2, 1e-4, 1.23e-4, 0.123, 2.46, 12.3, 99.7, 102.0, 0.0, math.inf, math.nan]
     assert [*map(short, values)] == [
         "1e-2",
         "1e-4",
@@ -178,6 +178,7 @@ def test_numbers_as_accuracies_are_written():
         "0.12",
         "2.5",
         "12",
+        "100",
         "102",
         "0",
         "infinite",

@@ -17,7 +17,8 @@ from validation.study.frames import frame_table
 from validation.study.models import LAWS
 from validation.study.plots import png
 from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RC, RED
-from validation.verification.randompage import CLASSES, cell, errors, number
+from validation.study.template import significant
+from validation.verification.randompage import CLASSES, cell, errors
 from validation.verification.randomsprings import COMPONENTS
 
 COMPARED = (*LAWS, LAW)
@@ -38,7 +39,7 @@ Data = dict[str, pd.DataFrame]
 def pair(springs: pd.DataFrame, law: str, closing: int) -> str:
     """Median / 95th percentile of a law's error in a class of contact."""
     found = errors(springs, f"{law}_vector", closing)
-    return f"{number(found.median())} / {number(found.quantile(0.95))}"
+    return f"{significant(found.median())} / {significant(found.quantile(0.95))}"
 
 
 def gain(springs: pd.DataFrame) -> float:

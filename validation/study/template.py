@@ -5,6 +5,7 @@ of a paragraph may be broken anywhere: `unwrapped` joins them. A sentence that h
 stands in a block or a macro, by whose name it can be said alone, of other facts.
 """
 
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -20,7 +21,16 @@ def percent(share: float, digits: int = 2) -> str:
     return f"{100.0 * share:.{digits}f} %"
 
 
-FILTERS = {"format": format, "percent": percent}  # x|format(".2f") is Python's format(x, ".2f")
+def significant(value: float) -> str:
+    """Two significant digits, all digits of larger numbers; nothing where there is no value."""
+    return "" if math.isnan(value) else f"{value:.2g}" if abs(value) < 99.5 else f"{value:.0f}"
+
+
+FILTERS = {
+    "format": format,  # x|format(".2f") is Python's format(x, ".2f")
+    "percent": percent,
+    "significant": significant,
+}
 FUNCTIONS: tuple[Callable[..., Any], ...] = (abs, max, min, zip)
 
 

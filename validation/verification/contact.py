@@ -187,7 +187,7 @@ def limit_point() -> dict[str, Any]:
 
 def two_figures(share: float) -> str:
     """A share in percent, to two figures; 0 below a solver's tolerance."""
-    return f"{100.0 * share:.2g} %" if share > TOLERANCE else "0"
+    return f"{template.significant(100.0 * share)} %" if share > TOLERANCE else "0"
 
 
 def tip(run: Mapping[str, Any], components: int = 3) -> str:

@@ -19,6 +19,7 @@ from validation.study.frames import frame_table
 from validation.study.metrics import CONFIDENCE
 from validation.study.plots import png
 from validation.study.style import BLUE, DOUBLE, GREY, NAVY, RC
+from validation.study.template import significant
 from validation.verification import randomscenes, randomsprings
 from validation.verification.randomscenes import KINDS
 from validation.verification.randomsprings import COMPONENTS, HELIX_FIRST
@@ -57,35 +58,30 @@ def errors(rows: pd.DataFrame, column: str, *closing: int, kind: str = "") -> pd
     return rows.loc[rows["closing"].isin(classes) & rows["kind"].str.contains(kind), column]
 
 
-def number(value: float) -> str:
-    """Two digits."""
-    return "" if np.isnan(value) else f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
-
-
 def cell(errors: pd.Series) -> str:
     """Median / 95th percentile (springs)."""
     known = errors.dropna()
     if known.empty:
         return ""
-    high = f"max {number(known.max())}" if len(known) < FEW else number(known.quantile(0.95))
-    return f"{number(known.median())} / {high} ({len(known)})"
+    high = f"max {significant(known.max())}" if len(known) < FEW else significant(known.quantile(0.95))
+    return f"{significant(known.median())} / {high} ({len(known)})"
 
 
 def both(errors: pd.Series) -> str:
     """Median and 95th percentile with its bound."""
-    return f"{number(errors.median())} and {high(errors)}"
+    return f"{significant(errors.median())} and {high(errors)}"
 
 
 def in_words(errors: pd.Series) -> str:
     """The same, said in words."""
-    return f"{number(errors.median())} % in the median and {high(errors)} at the 95th percentile"
+    return f"{significant(errors.median())} % in the median and {high(errors)} at the 95th percentile"
 
 
 def high(errors: pd.Series) -> str:
     """95th percentile with its bound."""
     bound = percentile_bound(errors)
-    words = "no bound" if np.isnan(bound) else f"bound {number(bound)} %"
-    return f"{number(errors.quantile(0.95))} % ({words})"
+    words = "no bound" if np.isnan(bound) else f"bound {significant(bound)} %"
+    return f"{significant(errors.quantile(0.95))} % ({words})"
 
 
 def percentile_bound(errors: pd.Series) -> float:
@@ -109,10 +105,10 @@ def cell_sizes(rows: pd.DataFrame) -> pd.Series:
 def over_seeds(rows: pd.DataFrame, column: str, closing: int, share: float) -> str:
     """Range of a quantile over the seeds."""
     found = rows[rows["closing"] == CLASSES[closing]].groupby("seed")[column].quantile(share)
-    return f"{number(found.min())} to {number(found.max())}"
+    return f"{significant(found.min())} to {significant(found.max())}"
 
 
-SAID = (errors, number, cell, both, in_words, percentile_bound, over_seeds, fewest, cell_sizes)
+SAID = (errors, cell, both, in_words, percentile_bound, over_seeds, fewest, cell_sizes)
 WORDS = template.template(Path(__file__).with_name("randomsprings.md"), SAID)
 WORDS.globals.update(
     **{"drawn": randomscenes, "study": randomsprings, "few": FEW, "confidence": CONFIDENCE},
@@ -127,7 +123,7 @@ def page(data: pd.DataFrame) -> str:
     counts = early.groupby([*models, "closing"]).size().unstack(fill_value=0)
     counts = counts.reindex(columns=CLASSES, fill_value=0).reset_index()
     worst = rows.nlargest(WORST, "helix_vector")[list(TITLES)]
-    formats = {TITLES[name]: number for name in worst.select_dtypes("float")}
+    formats = {TITLES[name]: significant for name in worst.select_dtypes("float")}
     return template.page(
         WORDS,
         f=rows,

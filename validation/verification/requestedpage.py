@@ -72,12 +72,12 @@ def summary(table: pd.DataFrame, by: str) -> pd.DataFrame:
 
 def short(value: float) -> str:
     """Two digits; small numbers with a power of ten, as accuracies are written."""
-    if not math.isfinite(value):
-        return "" if math.isnan(value) else "infinite"
-    if value == 0.0 or 0.01 < abs(value) < 100.0:
-        return f"{value:.2g}"
+    if math.isinf(value):
+        return "infinite"
+    if value == 0.0 or not abs(value) <= 0.01:
+        return template.significant(value)
     digits, power = f"{value:.1e}".split("e")
-    return f"{digits.removesuffix('.0')}e{int(power)}" if abs(value) < 1.0 else f"{value:.0f}"
+    return f"{digits.removesuffix('.0')}e{int(power)}"
 
 
 def listed(words: Iterable[object]) -> str:
