@@ -121,22 +121,18 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
 
 
 def find(
-    chosen: Sequence[Run], progress: Callable[[str], None], out: Path | None = None
+    chosen: Sequence[Run], progress: Callable[[str], None]
 ) -> tuple[dict[str, dict[str, Quantities]], tuple[str, ...]]:
     """Quantities of every run, by model and name, and a sentence on each that its model refuses; `InputError`
-    where all are refused. What was found is written to `out`, whatever ends this."""
+    where all are refused."""
     found: dict[str, dict[str, Quantities]] = {model: {} for model in MODELS}
     refused: dict[str, str] = {}
-    try:
-        for run in chosen:
-            progress(f"{run.model}: {run.name}")
-            try:
-                found[run.model][run.name] = quantities(run.solve(), run.sensitive)
-            except InputError as error:
-                refused.setdefault(str(error), f"left out: {run.model}, {run.name}: {error}")
-    finally:
-        if out is not None:
-            write(found, out)
+    for run in chosen:
+        progress(f"{run.model}: {run.name}")
+        try:
+            found[run.model][run.name] = quantities(run.solve(), run.sensitive)
+        except InputError as error:
+            refused.setdefault(str(error), f"left out: {run.model}, {run.name}: {error}")
     if not any(found.values()):
         raise InputError("; ".join(refused) or "there is nothing to run")
     return found, tuple(refused.values())

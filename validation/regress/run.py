@@ -89,7 +89,7 @@ def regress(
 
     Parameters
     ----------
-    out : folder for ``regress.md`` and a JSON file a model, also of what was found before an interruption.
+    out : folder for ``regress.md`` and a JSON file a model.
     baseline : folder of the baselines.
     accept : write what was found as the new baselines, with the ratios of times.
     times : measure and compare the ratios of times too.
@@ -113,7 +113,8 @@ def regress(
         watched = chosen or (runs() if scene is None else runs_of(scene))
         if chosen and kept:
             kept = of_runs(kept, chosen)
-        found, left_out = find(watched, progress, out)
+        found, left_out = find(watched, progress)
+        baselines.write(found, out)
         moves = compare(kept, found, str(made()["processor"])) if kept else ()
         if scene is not None and kept and (baseline / SCENE).is_file():
             moves = (*_scene_moves(load_scene(baseline / SCENE), scene), *moves)
