@@ -7,7 +7,7 @@ import pytest
 from coilspring import Material, spring_a
 from validation.study import template
 from validation.verification.accuracy import EXACT_RING, SPRING_A, WORDS, goehner, rod, write_page
-from validation.verification.case import Case, observed_order
+from validation.verification.case import VerificationCase, observed_order
 from validation.verification.springcases import rates
 
 CHECKS = (
@@ -41,7 +41,9 @@ def test_a_rod_with_shear_is_softer_than_a_solid_wire():
 
 
 def test_a_check_that_fails_says_so():
-    case = Case("a", "b", (2.0, 0.0), "own", 1e-3, "c", lambda count: (2.0, 0.004 * count), mesh=1)
+    case = VerificationCase(
+        "a", "b", (2.0, 0.0), "own", 1e-3, "c", lambda count: (2.0, 0.004 * count), mesh=1
+    )
     assert case.checked()["error"] == 2e-3
     assert not case.checked()["passed"]
     assert "| 2, 0.004 | 2.0e-03 |  | **no** | c |" in template.page(WORDS, checks=[case.checked()])
@@ -51,7 +53,7 @@ def test_a_case_tells_its_order():
     def solve(count):
         return 2.0 + 1.0 / count**2, 1.0 / count
 
-    case = Case("a", "b", (2.0, 0.0), "own", 1.0, "c", solve, mesh=64, meshes=(4, 8, 16))
+    case = VerificationCase("a", "b", (2.0, 0.0), "own", 1.0, "c", solve, mesh=64, meshes=(4, 8, 16))
     assert case.checked()["order"] == pytest.approx(1.0)
     assert replace(case, components=1).checked()["order"] == pytest.approx(2.0)
     assert replace(case, fine=1 << 20, components=1).checked()["order"] == pytest.approx(2.0)

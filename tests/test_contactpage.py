@@ -11,9 +11,9 @@ from validation.verification.contact import NONE, Run, difference, measured
 
 FAKE = {
     **{
-        "UX": -20.0,
-        "UY": -8.0,
-        "ROTZ": 1.0,
+        "ux": -20.0,
+        "uy": -8.0,
+        "rotz": 1.0,
         "outcome": "completed",
         "critical time": np.nan,
         "overlap": 0.03,
@@ -49,7 +49,7 @@ def table(text, head):
 def test_a_run_is_measured():
     data = measured([Run("B", NONE, steps=2), Run("A", 0.1, steps=2)])
     assert list(data["outcome"]) == ["completed"] * 2
-    assert data["UY"][0] == pytest.approx(-15.374, abs=1e-2)
+    assert data["uy"][0] == pytest.approx(-15.374, abs=1e-2)
     assert data["work"][0] < 1e-3 * data["work"][1]
     assert 0.03 < data["overlap"][0] < 0.06
     assert data["penetration"][0] < 0.01
@@ -58,7 +58,7 @@ def test_a_run_is_measured():
 
 
 def test_differences_are_of_the_components_that_move():
-    tips = pd.DataFrame({"UX": [0.0, 1e-12], "UY": [2.0, 2.2], "ROTZ": [0.1, 0.1]})
+    tips = pd.DataFrame({"ux": [0.0, 1e-12], "uy": [2.0, 2.2], "rotz": [0.1, 0.1]})
     np.testing.assert_allclose(difference(tips, tips.iloc[0]), [0.0, 0.1], atol=1e-12)
 
 
@@ -83,7 +83,7 @@ def page(**groups):
 
 def test_the_pairs_are_compared_with_the_finest():
     data = fake(
-        contact.RUNS["pairs"], UY=lambda run: -8.0 - 0.08 / run.pairs, seconds=lambda run: 0.1 * run.pairs
+        contact.RUNS["pairs"], uy=lambda run: -8.0 - 0.08 / run.pairs, seconds=lambda run: 0.1 * run.pairs
     )
     text = page(pairs=data, friction=fake(contact.RUNS["friction"], last_slip=lambda run: 0.3))
     rows = table(text, "spring | pairs per turn").set_index(["spring", "pairs per turn"])
@@ -93,7 +93,7 @@ def test_the_pairs_are_compared_with_the_finest():
     left = "4 pairs per turn leave 0.030 mm of overlap on Spring {}, 40 pairs 0.030 mm. Its tips with 4 "
     left += "pairs are 0.22 % from those with 40 pairs, which are 0.025 % from those with 20."
     assert all(left.format(name) in text for name in "AB")
-    rough = data.assign(UY=data["UY"].where((data["spring"] == "B") | (data["pairs"] != 20), -8.1))
+    rough = data.assign(uy=data["uy"].where((data["spring"] == "B") | (data["pairs"] != 20), -8.1))
     moved = page(pairs=rough).split("4 pairs per turn leave")
     assert ["so that 40 pairs do not tell what 4 cost" in part for part in moved] == [False, True, False]
     assert "0.030 mm for the largest slip of Spring A with mu = 0.05, 0.30 mm" in text
@@ -148,7 +148,7 @@ def test_the_page_follows_the_runs():
 def test_facts_are_those_of_the_rows():
     """What findings read: the fewest pairs, the last steps of friction, the last search."""
     pairs, search = (
-        fake(runs, UY=lambda run: -8.0 - 0.08 / run.pairs)
+        fake(runs, uy=lambda run: -8.0 - 0.08 / run.pairs)
         for runs in (contact.RUNS["pairs"], contact.RUNS["search"])
     )
     friction = fake(contact.RUNS["friction"], couple=lambda run: 125.0 if run.mu == NONE else 0.0)
@@ -165,7 +165,7 @@ def test_wires_are_what_spheres_are_compared_with():
         "outcome": lambda run: "limit point" if (run.geometry, run.mu) == ("spheres", 0.0) else "completed"
     }
     runs = wires(
-        UY=lambda run: -8.08 if run.geometry == "spheres" else -8.0,
+        uy=lambda run: -8.08 if run.geometry == "spheres" else -8.0,
         work=lambda run: 0.2 if run.geometry == "spheres" else 0.1,
         critical_time=lambda run: 0.65,
         **ended,

@@ -14,7 +14,7 @@ import pandas as pd
 
 from validation.reproduce import claims, facts, phases, report, times
 from validation.reproduce.assembly import PAGE
-from validation.reproduce.curves import TIPS, both_models, iteration_counts
+from validation.reproduce.curves import both_models, iteration_counts
 from validation.study import frames
 from validation.study.files import FACTS, json_bytes, write_files
 from validation.study.paths import PathStore
@@ -147,10 +147,10 @@ MAKERS: dict[str, Callable[[Maker, bytes], Files]] = {
     "table2": lambda *_: {"table2.csv": report.table2().csv()},
     "table3": lambda _, table3: {"table3.csv": table3},
     "fig5": lambda maker, _: maker.curves(
-        "fig5", both_models(maker.paths, "spring-a", TIPS), lambda figures: figures.tip_figure
+        "fig5", both_models(maker.paths, "spring-a", frames.TIPS), lambda figures: figures.tip_figure
     ),
     "fig7": lambda maker, _: maker.curves(
-        "fig7", both_models(maker.paths, "spring-b", TIPS[1:2]), lambda figures: figures.load_figure
+        "fig7", both_models(maker.paths, "spring-b", frames.TIPS[1:2]), lambda figures: figures.load_figure
     ),
     "fig8": lambda maker, _: maker.curves(
         "fig8", iteration_counts(maker.paths), lambda figures: figures.iteration_figure

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 
 from validation.study.cases import CASES, case
+from validation.study.frames import TIPS
 from validation.study.paths import PathStore
 
-TIPS = ("ux_mm", "uy_mm", "rotz_rad")
 CONTACT = ("contact", "no_contact")
 TANGENTS = ("paper", "exact")
 

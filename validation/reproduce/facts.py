@@ -13,7 +13,7 @@ from coilspring import EquilibriumPath, Material, Scene
 from coilspring.curves import Comparison, compare_paths, over_peak
 from coilspring.solver.equilibrium.newton import DECREMENT
 from validation.reproduce.phases import MANY_PAIRS, phase_facts
-from validation.study.cases import CASES, FINE_MESH, PAPER_MESH, Case, case
+from validation.study.cases import CASES, FINE_MESH, PAPER_MESH, PaperCase, case
 from validation.study.paths import PathStore
 from validation.view.shapes import overlaps
 
@@ -111,7 +111,7 @@ def _settings(store: PathStore) -> dict[str, object]:
     }
 
 
-def _case(store: PathStore, item: Case) -> dict[str, object]:
+def _case(store: PathStore, item: PaperCase) -> dict[str, object]:
     wire, beam = store.wire(item.scene), store.beam(item.scene)
     error = compare_paths(beam, wire)
     return {

@@ -13,10 +13,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from coilspring import EquilibriumPath
-from validation.reproduce.curves import CONTACT, TANGENTS, TIPS
+from validation.reproduce.curves import CONTACT, TANGENTS
 from validation.study import style
+from validation.study.frames import TIPS
 from validation.study.plots import both, discs
-from validation.study.style import TIPS as LABELS
+from validation.study.style import TIP_LABELS
 from validation.view.shapes import PARTS, PIXELS, Shapes, bands, overlaps, picture_frame, spaces, view
 
 DOTTED = (0, (1, 1.3))
@@ -53,7 +54,7 @@ def tip_figure(data: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(style.DOUBLE, 4.1), layout="constrained")
     plots = figure.subplots(2, 3, sharex=True, height_ratios=(2.0, 1.0))
     load = data["load_N"].to_numpy()
-    for letter, tip, label, (axes, below) in zip("abc", TIPS, LABELS, plots.T, strict=True):
+    for letter, tip, label, (axes, below) in zip("abc", TIPS, TIP_LABELS, plots.T, strict=True):
         for tag in CONTACT:
             beam, wire = _curves(data, tip, tag)
             both(axes, (load, beam), (load, wire))

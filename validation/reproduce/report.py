@@ -20,7 +20,7 @@ from validation.study.frames import view
 from validation.study.partialsolve import ending
 from validation.study.paths import PathStore
 from validation.study.scenes import EXACT_ROD
-from validation.study.style import TIPS
+from validation.study.style import TIP_LABELS
 from validation.study.template import Facts, page, template
 from validation.study.timing import spread
 
@@ -160,7 +160,7 @@ def exact_table(store: PathStore) -> Table:
     rows = []
     for name, tips in EXACT_ROD.items():
         paths = store.wire(case(name).scene), store.beam(case(name).scene)
-        found = zip(TIPS, tips[1.0], *(path.tips[-1] for path in paths), strict=True)
+        found = zip(TIP_LABELS, tips[1.0], *(path.tips[-1] for path in paths), strict=True)
         for title, exact, *ours in (row for row in found if row[1]):
             cells = [text for tip in ours for text in (f"{tip:.4f}", f"{100.0 * (tip / exact - 1.0):+.2f}")]
             rows.append((case(name).title, title, f"{exact:.4f}", *cells))

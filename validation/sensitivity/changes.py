@@ -19,14 +19,14 @@ from validation.sensitivity.inputs import OpenInput, Variant
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.study.cases import CASES
 from validation.study.files import write_bytes
-from validation.study.frames import frame_table
+from validation.study.frames import TIPS, frame_table
 from validation.study.models import BEAM, MODELS, WIRE
 from validation.study.partialsolve import ending
 from validation.study.paths import PathStore
 
 NO_INPUT, COMPLETED = "not an input", "completed"
 ROUNDING = 1e-6  # %: a smaller change counts as none
-BASE_TIPS, TIPS = ("base_ux_mm", "base_uy_mm", "base_rotz_rad"), ("ux_mm", "uy_mm", "rotz_rad")
+BASE_TIPS = tuple(f"base_{name}" for name in TIPS)
 CHANGES = tuple(f"{name}_change_percent" for name in COMPONENTS)
 CURVE, DEVIATION = "curve_change_percent", "models_apart_percent"
 COLUMNS = (

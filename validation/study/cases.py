@@ -20,7 +20,7 @@ def paper_mesh(scene: Scene) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Case:
+class PaperCase:
     """One row of the paper's Table 3."""
 
     name: str  # scene of the catalogue
@@ -36,14 +36,14 @@ class Case:
 
 
 CASES = (
-    Case("spring-a", "Spring A", 154.0, 24.0, 84.0),
-    Case("spring-a-no-contact", "Spring A w/o contacts", 81.0, 38.0, 53.0),
-    Case("spring-b", "Spring B", 122.0, 8.0, 93.0),
-    Case("spring-b-no-contact", "Spring B w/o contacts", 68.0, 4.0, 94.0),
+    PaperCase("spring-a", "Spring A", 154.0, 24.0, 84.0),
+    PaperCase("spring-a-no-contact", "Spring A w/o contacts", 81.0, 38.0, 53.0),
+    PaperCase("spring-b", "Spring B", 122.0, 8.0, 93.0),
+    PaperCase("spring-b-no-contact", "Spring B w/o contacts", 68.0, 4.0, 94.0),
 )
 
 
-def case(name: str) -> Case:
+def case(name: str) -> PaperCase:
     """The case of a catalogue scene."""
     return next(item for item in CASES if item.name == name)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 
 @dataclass(frozen=True)
-class Case:
+class VerificationCase:
     """One case: what is solved, against what, and how well it must agree."""
 
     name: str  # as the page has it, as data, source and limits

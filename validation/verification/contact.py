@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 import wirefe
 from coilspring import Contact, EquilibriumPath, Load, Scene, load_scene, spring_a, spring_b
+from coilspring.curves import COMPONENTS
 from validation.study import template
 from validation.study.files import write_facts, write_text
 from validation.study.metrics import moved, tip_deviation
@@ -21,7 +22,6 @@ from wirefe.contact.points import ContactArrays
 from wirefe.results.shape import contact_centres
 
 NONE = np.inf  # no sliding
-TIPS = ("UX", "UY", "ROTZ")
 CYCLE = Load(stages=((0.0, -80.0), (0.0, 0.0)), steps=100)  # of a progressive valve spring
 SPRINGS: dict[str, Callable[[], Scene]] = {
     "A": spring_a,
@@ -120,7 +120,7 @@ def measured(runs: Iterable[Run], repeats: int = 1) -> pd.DataFrame:
 def measures(path: EquilibriumPath) -> dict[str, Any]:
     """Numbers of a path at its last step; works, overlaps and the largest slip of all its steps."""
     (x, y), (fx, fy) = path.top[-1, :2], path.loads[-1]
-    return dict(zip(TIPS, path.tips[-1], strict=True)) | {
+    return dict(zip(COMPONENTS, path.tips[-1], strict=True)) | {
         "outcome": path.outcome.replace("_", " "),
         "critical time": path.critical_time,
         "overlap": path.max_overlap[-1],
@@ -140,7 +140,7 @@ def measures(path: EquilibriumPath) -> dict[str, Any]:
 
 def difference(runs: pd.DataFrame, reference: pd.Series) -> np.ndarray:
     """Deviation of the runs' tips from that of a reference."""
-    names = list(TIPS)
+    names = list(COMPONENTS)
     return tip_deviation(runs[names].to_numpy(float), reference[names].to_numpy(float))
 
 
@@ -192,7 +192,7 @@ def two_figures(share: float) -> str:
 
 def tip(run: Mapping[str, Any], components: int = 3) -> str:
     """Cells of the first components of a run's tip."""
-    values = np.array([run[name] for name in TIPS])
+    values = np.array([run[name] for name in COMPONENTS])
     texts = [f"{value:.4f}" if free else "0" for value, free in zip(values, moved(values), strict=True)]
     return " | ".join(texts[:components])
 
@@ -281,12 +281,12 @@ def facts(runs: Runs, limit: Mapping[str, Any]) -> dict[str, object]:
     for row in pairs.groupby("spring", sort=False).head(1).itertuples():
         found[f"pairs.{row.spring}.overlap"] = row.overlap
     found["friction.couples"] = 100.0 * a["couple"][NONE] / a["moment"][NONE]
-    found |= {"friction.free": a["UY"][0.0], "friction.held": a["UY"][NONE]}
+    found |= {"friction.free": a["uy"][0.0], "friction.held": a["uy"][NONE]}
     found |= {"search.pairs": int(most["pairs"]), "search.outcome": most["outcome"]}
     for row in tabled["geometry"].to_dict("records"):
         key = f"{row['geometry']}.{row['spring']}.{row['mu']:g}.{row['pairs']}"
         found |= {f"{key}.outcome": row["outcome"], f"{key}.time": row["critical time"]}
-        found |= {f"{key}.UY": row["UY"], f"{key}.difference": 100.0 * row["difference"]}
+        found |= {f"{key}.UY": row["uy"], f"{key}.difference": 100.0 * row["difference"]}
     spheres = tabled["geometry"].query("spring == 'A' and geometry == 'spheres' and pairs == 4")
     friction = spheres[(spheres["mu"] > 0.0) & (spheres["mu"] < NONE)]
     found["coulomb.A.4.coefficients"] = friction["mu"].tolist()

@@ -14,7 +14,7 @@ from coilspring import EquilibriumNotFound
 from coilspring.compiling.packing import pack
 from coilspring.scene.wire import Section
 from coilspring.solver.problem import Problem
-from validation.verification.case import Case
+from validation.verification.case import VerificationCase
 from wirefe import kernels
 from wirefe.contact.stations import turned_rows as turned
 from wirefe.solve import rod_problem
@@ -203,28 +203,28 @@ ELASTICAS = {
 }
 CASES = (
     *(
-        Case(
+        VerificationCase(
             "G1, 45 degree bend", f"P = {force:g}, 8 curved elements", target, "own (shooting), GJ = G 2I",
             3e-5, "published tips differ by 1 % with the torsion constant used", partial(bend, force=force),
             mesh=8, meshes=(4, 8, 16), fine=64,
         )
         for force, target in BENDS.items()
     ),
-    Case(
+    VerificationCase(
         "G2, roll-up", "M = 2 pi EI/L, 8 straight elements", (-10.0, 0.0, 0.0), "exact", 1e-9,
         "pure bending: nothing of shear and stretch", lambda count: tip(rolling(count)), mesh=8,
     ),
-    Case(
+    VerificationCase(
         "G3, unrolling a circle", "M = 2 pi EI/L, 4 curved elements", (10.0, 0.0, 0.0), "exact", 1e-9,
         "pure bending", lambda count: tip(unrolling(count)), mesh=4,
     ),
-    Case(
+    VerificationCase(
         "G4, shear-flexible cantilever", "F = 5e8 h^3, 64 straight elements", (-0.15097114, -0.71056860),
         "published (Nachbagauer 2011)", 2e-6, "in a plane", shear_flexible, mesh=64, meshes=(8, 16, 32),
         components=1,
     ),
     *(
-        Case(
+        VerificationCase(
             "G5, elastica", f"P L^2/EI = {load:g}, 64 straight elements", target,
             "own (agrees with Mattiasson 1981)", 1.5e-7, "in a plane, inextensible",
             partial(cantilever, length=1.0, section=Section(1e8, 1e8, 1.0, 1.0), force=load), mesh=64,
@@ -232,18 +232,18 @@ CASES = (
         )
         for load, target in ELASTICAS.items()
     ),
-    Case(
+    VerificationCase(
         "G10, Lee's frame", "first limit load, 80 straight elements", (1.85445,), "own (shooting)", 1e-5,
         "the path beyond the limit point", lambda count: (critical_load(lees_frame(count), LEE),), mesh=80,
     ),
-    Case(
+    VerificationCase(
         "G11, hinged-clamped arch of 215 degrees", "critical load, 20 curved elements", (897.3,),
         "literature (20 curved 3-node elements), not verified here", 1e-3,
         "the angle, which is the one that fits this load", lambda count: (critical_load(arch(count), ARCH),),
         mesh=20,
     ),
     *(
-        Case(
+        VerificationCase(
             "G8, straight rod to helix", f"slenderness {slenderness:g}, 16 straight elements; radius, height",
             (RADIUS, HEIGHT), "exact (Herrmann & Harsch 2025)", 1e-8,
             "end moment alone; plain Newton with the unsymmetric tangent, not the path follower",

@@ -12,7 +12,7 @@ import wirefe
 from coilspring import Contact, Load, Material, Scene, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.wire import Section, round_section
 from validation.study.scenes import EXACT_ROD
-from validation.verification.case import Case
+from validation.verification.case import VerificationCase
 from wirefe.results.linear import tip_flexibility
 
 ROUND = round_section(1.5, Material())
@@ -54,7 +54,7 @@ def exact_rods() -> Iterator[dict[str, Any]]:
         for element, meshes in MESHES.items():
             coarse, error = 0, 0.0
             for count, tolerance in meshes.items():
-                found = Case(
+                found = VerificationCase(
                     f"G13, {name}", f"{count} {element} elements per turn; UX, UY, ROTZ", tips[1.0],
                     "own (shooting)", tolerance, "contact; the assumed material",
                     partial(spring_tip, name=name, element=element), mesh=count,
@@ -134,14 +134,14 @@ def shortening_of_b(elements: int) -> tuple[float]:
     return (-float(path.tips[-1, 1]),)
 
 
-WRENCH = Case(
+WRENCH = VerificationCase(
     "G9, uniform helix under a wrench", "Spring A's wire, 3 turns, 16 curved elements per turn",
     (-4.606e-5, -1.2155943661, -0.0813165661), "own (exact with shear and stretch)", 3e-7,
     "uniform strains only", wrench, mesh=16, meshes=(4, 8),
 )  # fmt: skip
 OTHERS = (
     *(
-        Case(
+        VerificationCase(
             "Love/Thwaites, large axial deflection", "Spring A's wire, ends held, "
             f"F = {love_helix(height).force:.6f} N; 3 turns of 16 curved elements; height of 14.5 turns",
             (height,), "exact (Love 1927), inextensible", 1e-6, "uniform strains only",
@@ -149,18 +149,18 @@ OTHERS = (
         )
         for height in (25.6, 21.75)
     ),
-    Case(
+    VerificationCase(
         "spring rate with pitch and shear", "Spring A's wire, free to twist and held; N/mm",
         (3.411569, 3.412482), "rod theory (classical)", 2.5e-7,
         "the curvature of the wire: see the end of this page", rates, mesh=16,
     ),
-    Case(
+    VerificationCase(
         "natural frequencies", "clamped, 7.6 turns, 10 curved elements per turn; Hz",
         PEARSON_HZ, "literature (Pearson 1982; Yildirim), not verified here", 1e-3,
         "frequencies of a loaded spring, of coils that touch", frequencies, mesh=10, meshes=(10, 20),
         fine=80, components=5,
     ),
-    Case(
+    VerificationCase(
         "Rodriguez-Paredes-Sartor, conical spring", "Spring B at 200 N, no sliding; mm", (15.245118,),
         "closed form (authors named, 2006), not verified here", 0.03,
         "the formula leaves out pitch, direct shear and discrete contact", shortening_of_b, mesh=16,

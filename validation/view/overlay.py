@@ -14,7 +14,7 @@ from validation.study import style
 from validation.study.metrics import moved
 from validation.study.plots import both, discs, png, to_scale
 
-LABELS = dict(zip(COMPONENTS, style.TIPS, strict=True))
+LABELS = dict(zip(COMPONENTS, style.TIP_LABELS, strict=True))
 DIFFERENCE: style.Look = {"color": "black", "linewidth": 1.0}
 KEY: tuple[style.Look, ...] = (
     {**style.BEAM_LINE, "label": style.BEAM_LABEL},
