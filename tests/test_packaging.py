@@ -79,15 +79,16 @@ def test_a_campaign_that_is_terminated_leaves_no_workers(tmp_path):
     arguments = ["stability", "--beams", "4000", "--wires", "0", "--workers", "2", "--out", str(tmp_path)]
     command = [sys.executable, "-m", "validation.cli", *arguments]
     with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, start_new_session=True) as child:
-        while not (tmp_path / "stability.csv").is_file():
-            time.sleep(0.1)
-        child.terminate()
-        _, words = child.communicate(timeout=30)
+        try:
+            rows = tmp_path / "stability.csv"
+            assert _within(240.0, lambda: rows.is_file() or child.poll() is not None)
+            assert child.poll() is None
+            child.terminate()
+            _, words = child.communicate(timeout=30)
+        finally:
+            child.kill()
     assert (child.returncode, words.splitlines()[-1]) == (130, b"coilcheck: interrupted")
-    end = time.monotonic() + 10.0
-    while _group_lives(child.pid) and time.monotonic() < end:
-        time.sleep(0.1)
-    assert not _group_lives(child.pid)
+    assert _within(10.0, lambda: not _group_lives(child.pid))
 
 
 def test_a_signal_while_workers_start_ends_them(monkeypatch):
@@ -141,6 +142,16 @@ def test_a_signal_while_handlers_are_restored_leaves_none_behind(monkeypatch):
         assert signal.getsignal(signal.SIGTERM) is signal.default_int_handler
     finally:
         restore(signal.SIGTERM, before)
+
+
+def _within(seconds, happens):
+    """Whether it happens in so much time."""
+    end = time.monotonic() + seconds
+    while not happens():
+        if time.monotonic() >= end:
+            return False
+        time.sleep(0.1)
+    return True
 
 
 def _group_lives(leader):
