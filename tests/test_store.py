@@ -126,7 +126,7 @@ def test_where_the_store_is(tmp_path, monkeypatch):
 
 @pytest.fixture
 def edited(tmp_path, monkeypatch):
-    """Makes the packages look as if one byte of a source had been added."""
+    """Makes the packages look as if a statement had been added to a source."""
     files = keys.source_files
 
     def edit(name):
@@ -136,7 +136,7 @@ def edited(tmp_path, monkeypatch):
 
         source = next(f for package in PACKAGES for f in files(package) if f.name == name)
         copy = tmp_path / name
-        copy.write_bytes(source.read_bytes() + b"\n")
+        copy.write_bytes(source.read_bytes() + b"added = 1\n")
         monkeypatch.setattr(keys, "source_files", seen)
         keys.sources.cache_clear()
 
@@ -157,7 +157,7 @@ PACKAGES = ("coilspring", "equivbeam", "wirefe", "validation")
         ("style.py", set()),
     ],
 )
-def test_a_byte_of_a_source_changes_the_keys_that_rest_on_it(edited, source, changed):
+def test_a_statement_of_a_source_changes_the_keys_that_rest_on_it(edited, source, changed):
     scene = spring_a()
     before = {model: run_key(model, scene, {}) for model in ("equivbeam", "wirefe")}
     whole = keys.sources(*PACKAGES)
@@ -180,6 +180,45 @@ def test_sources_of_parts_of_a_package_count(tmp_path, monkeypatch):
     assert keys.digest(keys.source_files("somepackage")) != before
     with pytest.raises(ModuleNotFoundError, match="nopackage"):
         keys.sources("nopackage")
+
+
+SOURCE = '''"""Doubles."""
+
+
+def double(x, y=2):
+    """Twice, or as often as said."""
+    return x * y  # a product
+'''
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "same"),
+    [
+        ("  # a product", "  # of two", True),
+        ("Twice, or", "Often, and", True),
+        ('    """Twice, or as often as said."""\n', "", True),
+        ("x, y=2", "\n    x,\n    y=2,\n", True),
+        ("y=2", "y=3", False),
+        ("y=2", "y=2.0", False),
+        ("x * y", "y * x", False),
+        ("return x * y", 'return "Twice, or as often as said."', False),
+    ],
+)
+def test_keys_follow_what_a_source_does_not_how_it_is_written(tmp_path, old, new, same):
+    file = tmp_path / "a.py"
+    file.write_text(SOURCE)
+    before = keys.digest([file])
+    assert SOURCE.replace(old, new) != SOURCE
+    file.write_text(SOURCE.replace(old, new))
+    assert (keys.digest([file]) == before) is same
+
+
+def test_of_a_template_each_byte_counts(tmp_path):
+    file = tmp_path / "page.md"
+    file.write_text("# Title\n")
+    before = keys.digest([file])
+    file.write_text("# Title \n")
+    assert keys.digest([file]) != before
 
 
 def test_a_run_has_its_own_key():

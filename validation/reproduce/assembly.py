@@ -24,7 +24,8 @@ STORED = Path(__file__).parents[2] / "reports"  # of a checkout
 FIGURES = "## Figures\n"
 PROVENANCE = """## Provenance
 
-What made the results above. The digests are of the sources' names and contents, the first digits of SHA-256.
+What made the results above. The digests are of the sources' names and contents, the first digits of SHA-256;
+comments, docstrings and layout of Python files do not count.
 The reproduction's solution times are kept with the machine: their own date stands below Table 3.
 
 {}

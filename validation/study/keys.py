@@ -1,5 +1,6 @@
 """Keys of stored results: digests of all that a result follows from."""
 
+import ast
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
@@ -46,9 +47,49 @@ def source_files(name: str) -> list[Path]:
 
 
 def digest(files: Iterable[Path]) -> str:
-    """Digest of names and contents."""
+    """Digest of names and contents; of Python files the code, without comments, docstrings and layout."""
     found = hashlib.sha256()
     for file in files:
         data = file.read_bytes()
+        data = _code(data) if file.suffix == ".py" else data
         found.update(f"{file.name} {len(data)}\n".encode() + data)
     return found.hexdigest()
+
+
+@cache
+def _code(source: bytes) -> bytes:
+    """Digest of what a Python source does."""
+    words: list[str] = []
+    _tell(ast.parse(source), words)
+    return hashlib.sha256(" ".join(words).encode()).digest()
+
+
+def _tell(part: object, words: list[str]) -> None:
+    """Append a syntax tree in words, without places and without strings that stand alone, as docstrings do.
+
+    What is empty is left out: later versions of Python add fields.
+    """
+    if isinstance(part, ast.AST):
+        words.append(type(part).__name__)
+        for name in part._fields:
+            value = getattr(part, name)
+            if value is not None and value != []:
+                words.append(name)
+                _tell(value, words)
+        words.append(";")
+    elif isinstance(part, list):
+        for each in part:
+            if not _stands_alone(each):
+                _tell(each, words)
+        words.append("]")
+    else:
+        words.append(repr(part))
+
+
+def _stands_alone(statement: object) -> bool:
+    """Whether a statement is a mere string."""
+    return (
+        isinstance(statement, ast.Expr)
+        and isinstance(statement.value, ast.Constant)
+        and isinstance(statement.value.value, str)
+    )
