@@ -19,9 +19,9 @@ from coilspring import (
     spring_b,
 )
 from equivbeam.contact import circle_overlap
-from validation.campaign.overlap import excess
+from validation.campaign.overlap import deepest, excess, verify_overlap
 from validation.campaign.scenes import make_case
-from validation.campaign.verdict import reached
+from validation.campaign.verdict import Verdict, reached
 from validation.cli import main
 from wirefe.contact.overlap import bulge, place_stations, square_between, station_points, wire_overlap
 from wirefe.mesh import mesh_wire
@@ -170,6 +170,28 @@ def test_an_overlap_met_in_a_release_is_located_in_it():
     depth = max(-path.shape.pair_gaps(last).min(), 0.0)
     assert path.shape.overlaps(last)[0] - depth == pytest.approx(0.1 * d, abs=1e-3 * d)
     np.testing.assert_allclose(excess(path, last), 0.1, atol=0.01)  # by the verifier's own points
+
+
+@pytest.mark.parametrize("model", [equivbeam, wirefe], ids=["beam", "wire"])
+def test_a_wrong_gap_of_the_model_hides_no_overlap(model, monkeypatch):
+    """A spring that telescoped without contact, given out as one with pairs that penetrate that deep."""
+    options = {} if model is equivbeam else CURVED
+    path = model.solve(spring_b(), steps=1, **options)
+    through = model.solve(spring_b().without_contact(), steps=4, **options).states[-1:]
+    found = excess(path, through)
+    monkeypatch.setattr(type(path.shape), "pair_gaps", lambda shape, states: -np.ones((len(states), 1)))
+    assert path.max_penetration.max() == 1.0
+    np.testing.assert_array_equal(excess(path, through), found)
+    claimed, verdict = replace(path, states=through, times=np.ones(1)), Verdict()
+    verify_overlap(verdict, claimed)
+    assert verdict.complaints[0].startswith("wires overlap")
+
+
+@pytest.mark.parametrize("name", ["b000008", "w00002", "w00005"])
+def test_the_deepest_pair_is_the_models(name):
+    path = reached(make_case(name, 962))
+    assert path.max_penetration.max() > 0.0
+    np.testing.assert_allclose(deepest(path, path.states), path.max_penetration, atol=1e-12)
 
 
 def test_more_pairs_keep_wires_apart():

@@ -112,7 +112,12 @@ class BeamEnergy:
 
     def closed(self, state: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Which pairs touch, by more than a depth in wire diameters."""
-        return np.linalg.norm(self._gaps(state[self._pair_places])[0], axis=0) < (1.0 - depth) * self.d
+        return self.depths(state) > depth * self.d
+
+    def depths(self, states: np.ndarray) -> np.ndarray:
+        """Penetrations (..., pairs) in one or many states, below zero where open."""
+        near = np.moveaxis(states.T[self._pair_places], 1, -1)
+        return self.d - np.linalg.norm(self._gaps(near)[0], axis=0)
 
     @cached_property
     def rest_factor(self) -> np.ndarray:

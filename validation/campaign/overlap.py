@@ -1,16 +1,21 @@
-"""Whether coils pass through each other, by code that shares nothing with the solver.
+"""Whether coils pass through each other, by the verifier's own geometry.
 
 Points of the wire, a tenth of a wire diameter apart, are compared with all others by a k-d tree; the
-circles of the equivalent beam with all others, and in their order.
+circles of the equivalent beam with all others, and in their order. Of the wire model's path only the list of
+its pairs is taken.
 """
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from coilspring import EquilibriumPath, Spring
-from validation.campaign.energy import circles, turned
+from validation.campaign.energy import BeamEnergy, circles, turned
 from validation.campaign.verdict import THROUGH, Verdict
+from validation.campaign.wire import WireForces
+from validation.campaign.wirepairs import fresh_pairs
 from validation.campaign.wireparts import Points, helix
 
 ALLOWED = 0.1  # wire diameters of overlap beyond that of the deepest pair
@@ -21,9 +26,21 @@ SPACING = 0.1  # wire diameters between points
 def excess(path: EquilibriumPath, states: np.ndarray) -> np.ndarray:
     """Overlap of the wire or the circles in states, less that of the deepest pair, in wire diameters."""
     find = _wire_overlaps if path.model == "wirefe" else _beam_overlaps
-    deepest = np.maximum(-path.shape.pair_gaps(states).min(axis=1, initial=0.0), 0.0)
     spring = path.scene.spring
-    return (find(spring, states) - deepest) / spring.wire_diameter
+    return (find(spring, states) - deepest(path, states)) / spring.wire_diameter
+
+
+def deepest(path: EquilibriumPath, states: np.ndarray) -> np.ndarray:
+    """Penetration of a path's deepest pair in states, mm; 0 where none touches."""
+    # neither the law nor the kind of element changes where pairs are
+    if path.model == "equivbeam":
+        depths = BeamEnergy(path.scene, "haringx").depths(states)
+    else:
+        options: Mapping[str, Any] = path.options
+        forces = WireForces(path.scene, "straight", options["elements_per_turn"], options["pairs_per_turn"])
+        pairs = fresh_pairs(forces.points, forces.law, forces.rest, path.shape.pair_law.pairs)
+        depths = pairs.depth(states.reshape(len(states), states.shape[1] // 7, 7))
+    return depths.max(axis=1, initial=0.0)
 
 
 def verify_overlap(verdict: Verdict, path: EquilibriumPath) -> None:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene, Spring
+from validation.campaign.overlap import deepest
 from validation.campaign.scenes import EVERY, Case, in_units
 from validation.campaign.verdict import CRITICAL, STUCK, THROUGH, Verdict, reached, under
 
@@ -93,18 +94,20 @@ def grain(path: EquilibriumPath) -> float:
 def force_grain(path: EquilibriumPath, row: int | None = None) -> float:
     """What the rounding of the positions makes of a hard pair's force, across the wires or along them where
     it sticks, as a share of the largest load up to a row, or up to the path's end."""
-    contact, depth = path.scene.contact, path.max_penetration.max(initial=0.0)
+    contact, states = path.scene.contact, path.states
     load = float(np.abs(path.loads).max(initial=0.0)) if row is None else largest_load(path, row)
     if row is None and path.last_state is not None and path.end_bracket is not None:  # beyond the last row
-        depth = max(depth, -float(path.shape.pair_gaps(path.last_state[None]).min(initial=0.0)))
+        states = np.concatenate((states, path.last_state[None]))
         load = max(load, path.end_bracket[0] * float(np.abs(path.scene.load.force).max()))
+    depth = float(deepest(path, states).max(initial=0.0))
     if not (depth > 0.0 and load > 0.0):
         return 0.0
-    spring, K, k = path.scene.spring, path.shape.pair_law.kc, contact.exponent
+    # the scene's stiffness is that of a pair at 4 a turn: the beam has 2; of the wire a node may be touched
+    # from both sides, by all that stand on an element
+    spring, K, k = path.scene.spring, 2.0 * contact.stiffness, contact.exponent
     if path.model == "wirefe":
-        # a node of the wire may be touched from both sides, by all that stand on an element
         options: Mapping[str, Any] = path.options
-        K *= 2.0 * max(1.0, options["pairs_per_turn"] / options["elements_per_turn"])
+        K *= 4.0 / min(options["pairs_per_turn"], options["elements_per_turn"])
     across = K * k * depth ** (k - 1.0)
     along = K * spring.wire_diameter ** (k - 1.0) * (contact.sliding != "free")
     return GAPS * _rounding(spring) * max(across, along) / load

@@ -67,11 +67,12 @@ class Pairs:
         return self.points.node[self.index].reshape(-1, 4).T
 
     def poses(self, rows: np.ndarray) -> Poses:
-        """Positions and quaternions of the pairs' nodes."""
-        return [(rows[node, :3].T, rows[node, 3:].T) for node in self.nodes]
+        """Positions and quaternions of the pairs' nodes in one or many states."""
+        near = [np.moveaxis(rows[..., node, :], -1, 0) for node in self.nodes]
+        return [(each[:3], each[3:]) for each in near]
 
     def depth(self, rows: np.ndarray) -> np.ndarray:
-        """Penetrations (pairs,), below zero where open."""
+        """Penetrations (..., pairs) in one or many states, below zero where open."""
         return self.law.d - self.gap(self.poses(rows))[0]
 
     def steps_to_opening(self, rows: np.ndarray, before: np.ndarray) -> np.ndarray:
@@ -222,6 +223,16 @@ def _along(slip: np.ndarray, n: np.ndarray) -> np.ndarray:
     return part / np.maximum(np.sqrt((part * part).sum(axis=0)), TINY)
 
 
+def fresh_pairs(points: Points, law: Law, rest: np.ndarray, index: np.ndarray) -> Pairs:
+    """Pairs of contact points that remember nothing."""
+    count = len(index)
+    no, zero = np.zeros(count, bool), np.zeros((count, 3))
+    made = Pairs(
+        points, law, index, np.zeros(count), points.spacings(index), no, no, no, np.ones(count), zero, zero
+    )
+    return replace(made, rest_overlap=np.maximum(made.depth(rest), 0.0)) if points.wires else made
+
+
 def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPath, row: int) -> Pairs:
     """Pairs of a path's row: those of the model and what each remembers, and all others that touch."""
     assert path.histories is not None
@@ -233,24 +244,20 @@ def known_pairs(points: Points, law: Law, rest: np.ndarray, path: EquilibriumPat
     )  # fmt: skip
     rows = path.states[row].reshape(-1, 7)
     more = points.missing(rows, index, law.d)
-    index = np.concatenate((index, more)).astype(int)
-    count, weight = len(index), points.spacings(index)
 
     def padded(values: np.ndarray) -> np.ndarray:
         return np.concatenate((values, np.zeros((len(more), *values.shape[1:]), values.dtype)))
 
-    made = Pairs(
-        points, law, index, np.zeros(count), weight, padded(held),
-        np.zeros(count, bool), padded(history["grazes"]) | np.isfinite(law.mu),
-        1.0 - padded(history["released"]), padded(one), padded(two),
+    made = replace(
+        fresh_pairs(points, law, rest, np.concatenate((index, more)).astype(int)),
+        held=padded(held), arcs=padded(history["grazes"]) | np.isfinite(law.mu),
+        share=1.0 - padded(history["released"]), one=padded(one), two=padded(two),
     )  # fmt: skip
-    if points.wires:
-        made = replace(made, rest_overlap=np.maximum(made.depth(rest), 0.0))
     if not held.any() or not np.isfinite(law.mu):
         return made
     # by Coulomb's law those slide of which sticking would take more than the bound; none in less than FINEST
     normal, force = made.forces(rows)
-    finest = FINEST * law.d * law.sticking * weight
+    finest = FINEST * law.d * law.sticking * made.weight
     softer = np.where(normal > 0.0, np.minimum(law.mu * normal / finest, 1.0), 1.0)
     made = replace(made, share=made.share * softer)
     force = made.forces(rows)[1]
