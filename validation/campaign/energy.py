@@ -1,7 +1,8 @@
-"""Forces and stiffness of the equivalent beam in plain numpy, for the verifier: nothing is the solver's.
+"""Forces and stiffness of the equivalent beam in plain numpy, for the verifier.
 
-Written from docs/theory.md, section 2. The stiffness is the derivative of the forces by complex steps. A
-state holds x, y, theta of all nodes, flat.
+Written from docs/theory.md, section 2, without the solver's code; of a user's law its two Python functions
+are called, without the derivatives that the solver makes of them. The stiffness is the derivative of the
+forces by complex steps. A state holds x, y, theta of all nodes, flat.
 """
 
 import math
@@ -12,7 +13,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from coilspring import Scene, Spring
-from equivbeam.laws.userlaw import KNOWN
+from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.laws import Law, haringx_law, helix_law, plain_law
 
 LAWS: dict[str, Callable[[Scene], Law]] = {"haringx": haringx_law, "helix": helix_law}
@@ -24,7 +25,7 @@ PAIRS_A_TURN = 2  # in the plane; the scene's stiffness is that of a pair at 4 a
 class BeamEnergy:
     """Gradient and Hessian of one scene's energy by a law at load factor t: U + C - t f . u."""
 
-    def __init__(self, scene: Scene, law: str) -> None:
+    def __init__(self, scene: Scene, law: str | UserLaw) -> None:
         spring, contact = scene.spring, scene.contact
         count = round(2 * spring.active_coils)
         rest = np.zeros((count + 1, 3))
@@ -32,7 +33,7 @@ class BeamEnergy:
         self.rest = rest.ravel()
         self.top = self.rest.size - 2  # degree of freedom of the top's y
         # (l, v, dtheta) of all half coils -> N, T, M of each
-        self.law = LAWS[law](scene) if law in LAWS else plain_law(scene, KNOWN[law])
+        self.law = plain_law(scene, law) if isinstance(law, UserLaw) else LAWS[law](scene)
         self.d, self.exponent = spring.wire_diameter, contact.exponent
         self.stiffness = contact.stiffness * 4.0 / PAIRS_A_TURN
         node, offset = circles(spring)

@@ -124,7 +124,7 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
         verdict.complain(f"{path.outcome}: {path.message}")
         return verdict
     if case.model == "equivbeam":
-        energy = BeamEnergy(case.scene, str(path.options["law"]))
+        energy = BeamEnergy(case.scene, case.options["law"])
         critical = partial(verify_critical, verdict, energy)
         verify_states(verdict, energy, path)
     else:

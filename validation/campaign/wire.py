@@ -1,7 +1,7 @@
-"""Forces in the wire model's states in plain numpy, for the verifier: shares nothing with the solver.
+"""Forces in the wire model's states in plain numpy, for the verifier.
 
-Written from docs/theory.md, section 3, with quaternions (scalar first), complex steps of the energy, and
-central differences of the forces.
+Written from docs/theory.md, section 3, without the solver's code, with quaternions (scalar first), complex
+steps of the energy, and central differences of the forces. The pairs and what they remember are the path's.
 """
 
 import math
