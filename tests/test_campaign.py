@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import sys
 from dataclasses import replace
 from inspect import signature
 from types import SimpleNamespace
@@ -514,52 +513,6 @@ def test_processes_give_the_same_table(tmp_path):
     assert table_of(tmp_path / "0") == table_of(tmp_path / "2")
 
 
-@pytest.fixture(scope="module")
-def scheduler():
-    """Address of a cluster in this process."""
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0"
-    ) as cluster:
-        yield cluster.scheduler_address
-
-
-@pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::DeprecationWarning")
-def test_a_cluster_gives_the_same_table(scheduler, tmp_path):
-    arguments = ["stability", "--beams", "20", "--wires", "1", "--seed", str(SEED)]
-    assert main([*arguments, "--workers", "0", "--out", str(tmp_path / "here")]) == 0
-    assert main([*arguments, "--scheduler", scheduler, "--out", str(tmp_path / "there")]) == 0
-    rows = table_of(tmp_path / "there")
-    assert len(rows) == 21
-    assert rows == table_of(tmp_path / "here")
-
-
-@pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::DeprecationWarning")
-def test_workers_with_other_sources_are_refused(scheduler, tmp_path, monkeypatch):
-    verified = run.verified
-    monkeypatch.setattr(run, "verified", lambda name, seed: verified(name, seed) | {"version": "another"})
-    with pytest.raises(InputError, match="got another"):
-        run.campaign(tmp_path, beams=1, wires=0, seeds=(SEED,), scheduler=scheduler)
-
-
-def test_a_cluster_that_cannot_be_used_is_refused_in_one_sentence(tmp_path, monkeypatch, capsys):
-    pytest.importorskip("distributed")
-    monkeypatch.setattr(run, "PATIENCE", "0.2s")
-    options = ["--beams", "1", "--wires", "0", "--scheduler", "tcp://127.0.0.1:9", "--out", str(tmp_path)]
-    assert main(["stability", *options]) == 2
-    error = capsys.readouterr().err
-    assert error.startswith("coilcheck: scheduler must be the address of a Dask scheduler")
-    assert error.count("\n") == 1
-    assert main(["stability", *options, "--workers", "1"]) == 2
-    assert "workers" in capsys.readouterr().err
-
-
-def test_without_dask_a_sentence_names_the_extra(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InputError, match=r"coilcheck\[dask\]"):
-        run.campaign(tmp_path, beams=1, wires=0, seeds=(SEED,), scheduler="tcp://127.0.0.1:9")
-
-
 def test_rows_of_another_seed_or_version_are_not_kept(tmp_path):
     row = run.verified("b000000", SEED)
     file = tmp_path / "t.csv"
@@ -1048,4 +1001,4 @@ def test_bad_numbers_of_scenes_are_refused(arguments, parts, calls, tmp_path, mo
 
 def test_the_real_campaign_takes_what_the_command_passes():
     names = signature(run.campaign).parameters
-    assert names.keys() >= {"out", "progress", "scheduler", "seeds", *CAMPAIGN_RANGES} - {"seed"}
+    assert names.keys() >= {"out", "progress", "seeds", *CAMPAIGN_RANGES} - {"seed"}

@@ -3,8 +3,7 @@
 import os
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, as_completed
-from contextlib import contextmanager
+from concurrent.futures import as_completed
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -32,7 +31,6 @@ from validation.study.provenance import write_provenance
 from validation.study.rows import Row, append
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
-PATIENCE = "10s"  # for a scheduler to answer
 
 
 def campaign(
@@ -42,7 +40,6 @@ def campaign(
     wires: int = 1_000,
     seeds: Sequence[int] = (1,),
     workers: int | None = None,
-    scheduler: str | None = None,
     progress: Callable[[int, int], None] = lambda done, of: None,
 ) -> pd.DataFrame:
     """Verify the first `beams` and `wires` scenes of each seed, and write what became of them.
@@ -56,20 +53,13 @@ def campaign(
     beams, wires : number of scenes of a seed for the equivalent beam and for the wire model.
     seeds : of the sequences that the scenes are drawn from.
     workers : processes; by default one for each processor core. 0: in this process.
-    scheduler : address of a Dask scheduler, whose workers take the place of the processes.
     progress : called with the number of cases verified so far and the number of all.
 
     Returns
     -------
     pandas.DataFrame
         The rows of the scenes, texts, in the order of seeds and ids.
-
-    Raises
-    ------
-    InputError : `workers` beside `scheduler`, or a cluster that cannot be used.
     """
-    if scheduler is not None and workers is not None:
-        raise InputError(f"workers are the cluster's where a scheduler is given, got workers {workers}")
     prepare(out)
     file = out / "stability.csv"
     names = [case_id("b", i) for i in range(beams)] + [case_id("w", i) for i in range(wires)]
@@ -77,7 +67,7 @@ def campaign(
     known = table.kept(file, seeds, version())
     missing = [key for key in wanted if key not in known]
     done = len(wanted) - len(missing)
-    for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers, scheduler):
+    for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers):
         append(rows, file, COLUMNS)
         done += len(rows)
         progress(done, len(wanted))
@@ -149,47 +139,19 @@ def verify_others(verdict: Verdict, case: Case) -> None:
             wireverifier.verify_row(verdict, forces, other, row)
 
 
-def _results(keys: list[Key], workers: int, scheduler: str | None) -> Iterator[list[Row]]:
+def _results(keys: list[Key], workers: int) -> Iterator[list[Row]]:
     """Rows of the cases, in chunks as they come."""
     chunks = []
     for letter, size in CHUNK.items():
         some = [key for key in keys if key[1][0] == letter]
         chunks += [some[i : i + size] for i in range(0, len(some), size)]
-    if not keys or (workers == 0 and scheduler is None):
+    if not keys or workers == 0:
         yield from map(_verified_all, chunks)
         return
-    with processes(workers) if scheduler is None else cluster(scheduler) as pool:
+    with processes(workers) as pool:
         for future in as_completed([pool.submit(_verified_all, chunk) for chunk in chunks]):
-            rows = future.result()
-            for row in rows:
-                if row["version"] != version():
-                    raise InputError(f"workers must have the sources {version()}, got {row['version']}")
-            yield rows
+            yield future.result()
 
 
 def _verified_all(keys: list[Key]) -> list[Row]:
     return [verified(name, seed) for seed, name in keys]
-
-
-@contextmanager
-def cluster(scheduler: str) -> Iterator[Executor]:
-    """Workers of the Dask cluster at an address; `InputError` where there are none to be had."""
-    try:
-        from distributed import Client
-    except ModuleNotFoundError:
-        raise InputError(
-            f"scheduler {scheduler!r} needs the package distributed: pip install 'coilcheck[dask]'"
-        ) from None
-    try:
-        client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:
-        words = f"scheduler must be the address of a Dask scheduler, as tcp://HOST:8786, got {scheduler!r}"
-        raise InputError(f"{words}: {error or type(error).__name__}") from None
-    with client:
-        if not client.nthreads():
-            raise InputError(f"scheduler {scheduler!r} has no workers")
-        pool = client.get_executor(pure=False)
-        try:
-            yield pool
-        finally:  # after an exception there are cases left, which are cancelled
-            pool.shutdown(wait=False)

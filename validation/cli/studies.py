@@ -134,14 +134,14 @@ def _require_shipped(scenes: Mapping[str, Scene], arguments: argparse.Namespace)
 
 def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Judge sampled scenes of both models."""
-    options, case = given(arguments, ("scheduler",)), arguments.case
-    without = ("beams", "wires", "workers", "scheduler", "out") if case is not None else ()
+    case = arguments.case
+    without = ("beams", "wires", "workers", "out") if case is not None else ()
     for name in given(arguments, without):
         raise InputError(
             f"{flag(name)} has no effect beside --case, which verifies one case, writing nothing"
         )
-    for name, number in given(arguments, tuple(CAMPAIGN_RANGES)).items():
-        options[name] = require_integer(name, number, *CAMPAIGN_RANGES[name])
+    asked = given(arguments, tuple(CAMPAIGN_RANGES))
+    options = {name: require_integer(name, asked[name], *CAMPAIGN_RANGES[name]) for name in asked}
     if options.get("beams") == options.get("wires") == 0:
         raise InputError("--beams and --wires must not both be 0, which is no scene to verify")
     seeds = _seeds(options.pop("seed", None), arguments.seeds)
