@@ -32,7 +32,7 @@ from validation.campaign.runs import (
 )
 from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
 from validation.campaign.table import COLUMNS, read_rows, row_text
-from validation.campaign.verdict import CLASSES, THROUGH, UNEXPLAINED, Verdict, reached, under
+from validation.campaign.verdict import CLASSES, UNEXPLAINED, Verdict, reached, under
 from validation.campaign.wire import WireForces
 from validation.campaign.wirejump import released, verify_jump
 from validation.campaign.wireverifier import (
@@ -826,7 +826,8 @@ def test_a_beam_does_not_pass_a_bifurcation_as_its_coils_close():
 
 
 def test_the_page_says_how_well_the_verifier_finds_what_passes_through():
-    row = dict.fromkeys(COLUMNS, "") | {"id": "w00000", "seed": "1", "class": THROUGH, "overlap": "0.0042"}
+    row = dict.fromkeys(COLUMNS, "") | {"id": "w00000", "seed": "1", "overlap": "0.0042"}
+    row["class"] = "interpenetration"
     assert "| overlap | - | 4.2e-03 |" in page.page(pd.DataFrame([row]))
 
 

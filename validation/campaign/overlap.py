@@ -13,7 +13,7 @@ import numpy as np
 
 from coilspring import EquilibriumPath, Spring
 from validation.campaign.energy import BeamEnergy, circles, turned
-from validation.campaign.verdict import THROUGH, Verdict
+from validation.campaign.verdict import Verdict
 from validation.campaign.wire import WireForces
 from validation.campaign.wirepairs import fresh_pairs
 from validation.campaign.wireparts import Points, helix
@@ -52,7 +52,7 @@ def verify_overlap(verdict: Verdict, path: EquilibriumPath) -> None:
         if found > ALLOWED + SEEN:
             verdict.complain(f"wires overlap by {found:.2f} diameters at time {time:.6g}, unsaid")
             return
-    if path.outcome == THROUGH:
+    if path.outcome == "interpenetration":
         assert path.last_state is not None
         last = float(excess(path, path.last_state[None])[0])
         verdict.ask("overlap", abs(last - ALLOWED), SEEN, "wires overlap otherwise where the path ends")

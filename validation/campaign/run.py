@@ -23,7 +23,7 @@ from validation.campaign.page import write_page
 from validation.campaign.runs import verified_rows, verify_invariance, verify_steps
 from validation.campaign.scenes import Case, case_id, make_case
 from validation.campaign.table import COLUMNS, Key, row_of, version
-from validation.campaign.verdict import CRITICAL, JUMP, REFUSED, VERIFIED, Verdict, reached
+from validation.campaign.verdict import CRITICAL, REFUSED, VERIFIED, Verdict, reached
 from validation.campaign.wire import WireForces
 from validation.campaign.wirejump import verify_jump
 from validation.study.files import prepare
@@ -126,7 +126,7 @@ def verify(case: Case, path: EquilibriumPath) -> Verdict:
     verify_steps(verdict, case, path)
     if path.outcome in CRITICAL:
         critical(case, path)
-    elif path.outcome == JUMP:
+    elif path.outcome == "jump":
         verify_jump(verdict, forces, case, path)
     return verdict
 

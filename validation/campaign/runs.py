@@ -12,7 +12,7 @@ import numpy as np
 from coilspring import EquilibriumPath, Scene, Spring
 from validation.campaign.overlap import deepest
 from validation.campaign.scenes import EVERY, Case, in_units
-from validation.campaign.verdict import CRITICAL, STUCK, THROUGH, Verdict, reached, under
+from validation.campaign.verdict import CRITICAL, Verdict, reached, under
 
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
 LEAST_WIDTH = 4e-9  # of the time 0..1: no critical time is bracketed closer
@@ -156,7 +156,7 @@ def end_alike(path: EquilibriumPath, other: EquilibriumPath) -> bool:
     bound: with friction, whether wires overlap before is known no better than the critical time.
     """
     kinds = {CRITICAL[0] if run.outcome in CRITICAL else run.outcome for run in (path, other)}
-    return len(kinds) == 1 or (path_dependent(path) and kinds == {CRITICAL[0], THROUGH})
+    return len(kinds) == 1 or (path_dependent(path) and kinds == {CRITICAL[0], "interpenetration"})
 
 
 def verify_branch(
@@ -169,7 +169,7 @@ def verify_branch(
     last, largest = deviation(path, other, until=until)
     verdict.ask("branch", last, most, f"off the branch of the {name}")
     verdict.ask("branch", largest, max(most, bounds.between), f"off the branch of the {name} before the end")
-    if STUCK in (path.outcome, other.outcome) or until < np.inf:
+    if "not_converged" in (path.outcome, other.outcome) or until < np.inf:
         return
     if not end_alike(path, other):
         verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
@@ -317,7 +317,7 @@ def _verify_changed(
     its tips back, and that time."""
     (kind, back, until), least = change, verdict.numbers.get("least", 1.0)
     ends = path.outcome, other.outcome
-    if until == np.inf and STUCK not in ends and not end_alike(path, other):
+    if until == np.inf and "not_converged" not in ends and not end_alike(path, other):
         verdict.complain(f"{kind}: {ends[0]}, but changed it ends as {ends[1]}")
     elif kind != "perturbed" or least > SOFT:
         answer = ANSWER[kind] / (least if kind in KINDS[:2] else 1.0)

@@ -10,11 +10,10 @@ from validation.campaign.scenes import Case, scaled_load
 from validation.study.partialsolve import partial_path
 
 CRITICAL = ("limit_point", "bifurcation")
-RIGHT, JUMP, THROUGH, UNDECIDED = "completed", "jump", "interpenetration", "undecided"
-ITERATION, REFUSED, UNEXPLAINED = "iteration", "refused", "unexplained"
-VERIFIED = (RIGHT, *CRITICAL, JUMP, THROUGH)  # outcomes that the verifier finds by its own means
+# Outcomes that the verifier finds by its own means.
+VERIFIED = ("completed", *CRITICAL, "jump", "interpenetration")
+UNDECIDED, ITERATION, REFUSED, UNEXPLAINED = "undecided", "iteration", "refused", "unexplained"
 CLASSES = (*VERIFIED, UNDECIDED, ITERATION, REFUSED, UNEXPLAINED)
-STUCK = "not_converged"  # outcome of a run that ends for reasons of the iteration
 SOLVERS: dict[str, Callable[..., EquilibriumPath]] = {"equivbeam": equivbeam.solve, "wirefe": wirefe.solve}
 
 
@@ -53,9 +52,10 @@ class Verdict:
 
     def stop(self, name: str, path: EquilibriumPath) -> bool:
         """Whether a run ends for reasons of the iteration, which is kept."""
-        if path.outcome == STUCK:
+        stuck = path.outcome == "not_converged"
+        if stuck:
             self.stops.append(f"{name}: {path.message}")
-        return path.outcome == STUCK
+        return stuck
 
 
 def reached(case: Case, scene: Scene | None = None, **options: object) -> EquilibriumPath:
