@@ -82,20 +82,11 @@ def sort(target: Path, wanted: list[Key]) -> pd.DataFrame:
     """Write a file in the order of seeds and ids, and return the rows of those wanted."""
     rows = {_key(row): row for row in sorted(whole_rows(target, COLUMNS), key=_key)}
     write(rows.values(), target, COLUMNS)
-    return _frame([rows[key] for key in wanted])
-
-
-def read_rows(target: Path) -> pd.DataFrame:
-    """Whole rows of a file; none where there is no such file or its columns are others."""
-    return _frame(whole_rows(target, COLUMNS))
+    return pd.DataFrame([rows[key] for key in wanted], columns=list(COLUMNS), dtype=str)
 
 
 def _key(row: Row) -> Key:
     return int(row["seed"]), row["id"]
-
-
-def _frame(rows: list[Row]) -> pd.DataFrame:
-    return pd.DataFrame(rows, columns=list(COLUMNS), dtype=str)
 
 
 @lru_cache(maxsize=1)
