@@ -299,7 +299,7 @@ def test_two_paths_that_agree_by_chance_are_not_believed(monkeypatch):
 
 
 def test_two_that_tell_the_same_are_believed_more(monkeypatch):
-    assert trials_of(touching(), (4, 16), (8, 98), (12, 146)).safety == 10.0  # of stations it may be by chance
+    assert trials_of(touching(), (4, 16), (8, 98), (12, 146)).safety == 10.0  # of stations by chance
     trials = trials_of(touching(geometry="spheres"), (8, 16), (12, 16), (16, 16))
     first, second = 1 / 64 - 1 / 256, 1 / 144 - 1 / 256
     for other, safety in ((1.4, 2.0), (0.7, 2.0), (1.6, 3.0), (0.6, 3.0)):

@@ -70,10 +70,7 @@ def _settled(
     """Equilibrium near a state, and which pairs slide in it, or None where Newton's method finds none."""
     for _ in range(MOST_CORRECTIONS):
         pairs = replace(pairs, slides=_slides(pairs, rows))
-        move = np.zeros((len(rows), 6))
-        left = forces.residual(rows, load, pairs).ravel()[forces.free]
-        move.ravel()[forces.free] = np.linalg.solve(forces.tangent(rows, pairs), -left)
-        size = float(np.abs(move / [*[pairs.law.d] * 3, 1.0, 1.0, 1.0]).max())
+        move, size = forces.correction(rows, load, pairs)
         rows = moved(rows, FAR / max(size, FAR) * move)
         if size <= CLOSE:
             return rows, replace(pairs, slides=_slides(pairs, rows))

@@ -105,6 +105,12 @@ class WireForces:
             J += pairs.tangent(rows)
         return J[self.free][:, self.free]
 
+    def correction(self, rows: np.ndarray, load: np.ndarray, pairs: Pairs) -> tuple[np.ndarray, float]:
+        """Newton's move (nodes, 6) towards an equilibrium, and its size in wire diameters or rad."""
+        move, left = np.zeros((len(rows), 6)), self.residual(rows, load, pairs)
+        move.ravel()[self.free] = np.linalg.solve(self.tangent(rows, pairs), -left.ravel()[self.free])
+        return move, float(np.abs(move / [*[self.law.d] * 3, 1.0, 1.0, 1.0]).max())
+
     @cached_property
     def at_rest(self) -> csc_array:
         """Tangent at rest without contact, in units of which stiffness is measured."""

@@ -100,15 +100,13 @@ def _settled(forces: WireForces, pairs: Pairs, rows: np.ndarray, load: np.ndarra
 
     Within a step hard pairs close and open: each goes down to the least energy along it. No pair slides here.
     """
-    start, free = rows, forces.free
+    start = rows
 
     def unbalanced(state: np.ndarray) -> np.ndarray:
         return forces.residual(state, load, pairs)
 
     for _ in range(MOST_CORRECTIONS):
-        left, move = unbalanced(rows), np.zeros((len(rows), 6))
-        move.ravel()[free] = np.linalg.solve(forces.tangent(rows, pairs), -left.ravel()[free])
-        size = np.abs(move / [*[pairs.law.d] * 3, 1.0, 1.0, 1.0]).max()
+        move, size = forces.correction(rows, load, pairs)
         if size <= CLOSE:
             rows = moved(rows, move)
             far = np.linalg.norm(rows[:, :3] - start[:, :3], axis=1).max() > FAR * pairs.law.d
