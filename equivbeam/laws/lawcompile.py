@@ -56,6 +56,8 @@ def _part_of(function: Any, law: str, content: str, callers: tuple[FunctionType,
     if function in callers:
         raise InputError(f"law {law}: {function.__name__} must not call itself")
     read = {name for code in codes(function.__code__) for name in code.co_names}
+    if "print" in read - function.__globals__.keys():  # it compiles, and its kernel hangs or fails as it runs
+        raise InputError(f"law {law}: {function.__name__} must not print: {ALLOWED}")
 
     def known(value: Any) -> Any:
         if isinstance(value, FunctionType) and not is_foreign(value.__module__):

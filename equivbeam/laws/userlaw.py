@@ -12,12 +12,14 @@ import inspect
 import linecache
 import math
 import numbers
+import sys
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import count
 from pathlib import Path
-from types import FunctionType
+from types import FrameType, FunctionType
 from typing import Any
 
 import numpy as np
@@ -34,6 +36,7 @@ from equivbeam.laws.lawchecks import checked_rest, state_text
 from equivbeam.laws.lawcompile import FIRST, compiled_law, why_not_compiled
 
 DIGITS = 16  # of a digest, in the name of a law
+MOST_OPERATIONS = 1_000_000  # of Python, in an energy at rest
 
 
 KNOWN: dict[str, UserLaw] = {}  # laws of this process by what paths keep of them
@@ -119,10 +122,11 @@ class UserLaw:
 
     def _try(self, coil: HalfCoil, values: list[float]) -> None:
         """The energy at rest as plain Python, whose errors are the clearest."""
+        self._compiled(FIRST + len(values))  # nothing runs that calls itself or prints
         place = f"energy of half coil {coil.index + 1} at rest {state_text(coil.length, 0, 0)}"
         where = f"law {self.name}: {place}"
         with np.errstate(all="ignore"):
-            found = _called(where, self.energy, coil.length, 0.0, 0.0, tuple(values))
+            found = _called(where, _ending, self.energy, coil.length, 0.0, 0.0, tuple(values))
         if not _is_number(found):
             raise InputError(f"{where} must be a number, got {shown(found)}")
 
@@ -186,6 +190,24 @@ def _function(name: str, given: Any, role: str) -> FunctionType:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def _ending(function: Callable, *arguments: Any) -> Any:
+    """What a function gives, or `TimeoutError` after more operations than any law needs: a compiled loop that
+    does not end could not be interrupted."""
+    operations, before = count(), sys.gettrace()
+
+    def trace(frame: FrameType, event: str, argument: Any) -> Any:
+        frame.f_trace_opcodes = True
+        if next(operations) > MOST_OPERATIONS:
+            raise TimeoutError(f"it does not end within {MOST_OPERATIONS} operations")
+        return trace
+
+    sys.settrace(trace)
+    try:
+        return function(*arguments)
+    finally:
+        sys.settrace(before)
 
 
 def _called(where: str, function: Callable, *arguments: Any) -> Any:
