@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 
 COMPONENTS = ("ux", "uy", "rotz")
@@ -69,7 +70,20 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     ----------
     path : the path that is compared.
     reference : the path whose peaks the curve errors are divided by.
+
+    Raises
+    ------
+    InputError : their loads differ, or how often their wires cross the working plane.
     """
+    loads = [replace(each.scene.load, steps=1) for each in (path, reference)]
+    if loads[0] != loads[1]:
+        raise InputError(f"paths that are compared must have one load, got {loads[0]} and {loads[1]}")
+    circles = [each.scene.spring.circle_phases().size for each in (path, reference)]
+    if circles[0] != circles[1]:
+        raise InputError(
+            "paths that are compared must be of one spring, got wires that cross the working plane "
+            f"{circles[0]} and {circles[1]} times"
+        )
     times, mine, theirs = np.intersect1d(path.times, reference.times, return_indices=True)
     curve = compare_curves(Curve.of(path), Curve.of(reference))
     if times.size == 0:

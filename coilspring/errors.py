@@ -32,6 +32,9 @@ class EquilibriumNotFound(RuntimeError):
         self.message = path.message
         self.critical_time = path.critical_time
 
+    def __reduce__(self) -> tuple:
+        return EquilibriumNotFound, (self.path,)
+
 
 def require_names(field: str, names: Iterable[str], allowed: Collection[str]) -> None:
     """Raise `InputError` unless all of `names` are `allowed`."""

@@ -81,9 +81,12 @@ class Shape(Protocol):
         """Deformed wire at the phases given, shape (phases, 3), mm."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EquilibriumPath:
     """Equilibria of a scene at the requested times, as far as they were reached.
+
+    A path equals itself alone: compare two by `coilspring.compare_paths`. Arrays found from its states are kept,
+    and cannot be written.
 
     Attributes
     ----------
@@ -172,25 +175,25 @@ class EquilibriumPath:
         """Load at the top reference point, shape (steps, 2), N; with a prescribed displacement all that holds
         the top there, FX where UX is held."""
         if not self.scene.load.displacement:
-            return given_loads(self.scene.load, self.times)
+            return read_only(given_loads(self.scene.load, self.times))
         assert self.histories is not None  # paths traced by arc length are under forces
         held = np.array(["ux" in self.scene.supports.top_held, True])
-        return np.where(held, self.shape.reactions(self.states, self.histories), 0.0)
+        return read_only(np.where(held, self.shape.reactions(self.states, self.histories), 0.0))
 
     @cached_property
     def tips(self) -> np.ndarray:
         """UX, UY, ROTZ of the top reference point, shape (steps, 3); mm, rad (not wrapped)."""
-        return self.shape.tips(self.states)
+        return read_only(self.shape.tips(self.states))
 
     @cached_property
     def contact_forces(self) -> np.ndarray:
         """Normal force of every contact pair, shape (steps, pairs), N; pairs from bottom to top."""
-        return self.shape.pair_forces(self.states)
+        return read_only(self.shape.pair_forces(self.states))
 
     @cached_property
     def gaps(self) -> np.ndarray:
         """Gap of every contact pair, negative where it penetrates, shape (steps, pairs), mm."""
-        return self.shape.pair_gaps(self.states)
+        return read_only(self.shape.pair_gaps(self.states))
 
     @property
     def penetrations(self) -> np.ndarray:
@@ -226,13 +229,13 @@ class EquilibriumPath:
         Of the equivalent beam that of its circles; coils that have changed places overlap by what they
         do side by side.
         """
-        return np.maximum(self.shape.overlaps(self.states), 0.0)
+        return read_only(np.maximum(self.shape.overlaps(self.states), 0.0))
 
     @cached_property
     def rates(self) -> np.ndarray:
         """Rate of the spring along its load, dF/du, shape (steps,), N/mm: the tangent stiffness, in some rows
         the difference from the row before; see Rate in ``docs/conventions.md``."""
-        return self.rates_at(slice(None))
+        return read_only(self.rates_at(slice(None)))
 
     def rates_at(self, rows: slice) -> np.ndarray:
         """The `rates` of some steps."""
@@ -302,6 +305,13 @@ class EquilibriumPath:
     def top(self) -> np.ndarray:
         """Position and rotation (x, y, rotz) of the top reference point, shape (steps, 3); mm, rad."""
         return self.tips + np.array([0.0, self.scene.spring.active_height, 0.0])
+
+
+def read_only(array: np.ndarray) -> np.ndarray:
+    """The array, or a view of it, that cannot be written."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 def require_step(path: EquilibriumPath, step: object) -> int:

@@ -1,12 +1,14 @@
 """The metrics on paths small enough to work out by hand."""
 
+import copy
+import pickle
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 import coilspring
-from coilspring import EquilibriumPath
+from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Load
 from coilspring.curves import compare_paths
 from validation.study.metrics import tip_deviation
 
@@ -40,6 +42,33 @@ def path(times, tips):
 
 
 REFERENCE = path([0.5, 1.0], [[-2.0, -1.0, 0.1], [-4.0, -10.0, 0.2]])
+
+
+def test_paths_under_two_loads_or_of_two_springs_are_not_compared():
+    scene = REFERENCE.scene
+    half = replace(REFERENCE, scene=replace(scene, load=Load((0.0, -1.0), steps=2)))
+    with pytest.raises(InputError, match="must have one load, got Load"):
+        compare_paths(half, REFERENCE)
+    longer = replace(scene.spring, active_coils=scene.spring.active_coils + 1.0)
+    with pytest.raises(InputError, match=r"cross the working plane \d+ and \d+ times"):
+        compare_paths(replace(REFERENCE, scene=replace(scene, spring=longer)), REFERENCE)
+    more_steps = replace(REFERENCE, scene=replace(scene, load=replace(scene.load, steps=7)))
+    assert compare_paths(more_steps, REFERENCE).curve_max == 0.0
+
+
+def test_a_path_is_itself_alone_and_what_it_keeps_is_not_written():
+    assert REFERENCE == REFERENCE
+    assert len({REFERENCE, copy.deepcopy(REFERENCE)}) == 2
+    with pytest.raises(ValueError, match="read-only"):
+        REFERENCE.tips[0, 0] = 9.0
+
+
+def test_a_path_that_ended_comes_with_its_error_to_another_process():
+    error = EquilibriumNotFound(replace(REFERENCE, outcome="limit_point"))
+    for other in (pickle.loads(pickle.dumps(error)), copy.copy(error), copy.deepcopy(error)):
+        assert str(other) == str(error)
+        assert other.outcome == "limit_point"
+        np.testing.assert_array_equal(other.path.tips, error.path.tips)
 
 
 def test_a_path_equals_itself():
