@@ -736,6 +736,31 @@ def test_a_file_in_the_place_of_a_folder_is_told(command, said, tmp_path, monkey
     assert sentence(capsys).startswith(f"cannot write to {said}")
 
 
+LONG = "a" * 300  # longer than a file system takes, and so of no use for root either
+
+
+@pytest.mark.parametrize(
+    ("command", "code", "said"),
+    [
+        (f"solve spring-a --model equivbeam --out {LONG}", 4, f"cannot write to {LONG}: "),
+        (f"reproduce --only table1 --out {LONG}", 4, f"cannot write to {LONG}: "),
+        (f"view spring-a --movie {LONG}/a.gif", 4, f"cannot write to {LONG}/a.gif: "),
+        (f"regress spring-a --accept --baselines {LONG}", 4, f"cannot write to {LONG}/spring-a: "),
+        (f"regress --baselines {LONG}", 2, f"--baselines must name a folder that can be read, got {LONG} ("),
+        (f"view {LONG} --movie a.gif", 2, f"SCENE must be one of {', '.join(coilspring.CATALOGUE)} or a "),
+        ("view . --movie a.gif", 2, ". holds no wire.pvd that can be read (Is a directory): "),
+    ],
+)
+def test_a_place_that_cannot_be_used_is_one_sentence(command, code, said, tmp_path, monkeypatch, capsys):
+    """What is read is bad input; of two places that are written, the one that cannot be is named."""
+    monkeypatch.chdir(tmp_path)
+    Path("wire.pvd").mkdir()
+    assert main(command.split()) == code
+    message = sentence(capsys)
+    assert message.startswith(said)
+    assert ("File name too long" in message) == (LONG in command)
+
+
 def test_the_help_says_what_the_equivalent_stress_and_the_modes_are(capsys):
     with pytest.raises(SystemExit):
         main(["solve", "--help"])

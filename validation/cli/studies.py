@@ -4,6 +4,7 @@ Each gives the lines to be said, and in one sentence what is wrong.
 """
 
 import argparse
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -287,7 +288,7 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
 
     movie = arguments.movie
     run = Path(arguments.scene)
-    source = frames.of_run(run) if run.is_dir() else load_scene(arguments.scene)
+    source = frames.of_run(run) if os.path.isdir(run) else load_scene(arguments.scene)
     animation.require(movie)
     if movie is not None:
         prepare(movie.parent, movie)

@@ -154,18 +154,22 @@ def made() -> dict[str, object]:
 
 def read(folder: Path) -> dict[str, dict[str, Any]]:
     """Baselines by model, each with "made" and "runs"; `InputError` where they cannot be read."""
-    if other := in_the_way(folder):
-        raise InputError(f"--baselines must name a folder, but {other} is a file")
     kept = {}
     for model in MODELS:
         file = folder / f"{model}.json"
-        if not file.is_file():
-            raise InputError(
-                f"no baseline at {file}: name its folder by --baselines, or write it by --accept"
-            )
         try:
             kept[model] = json.loads(file.read_text(encoding="utf-8"))
             kept[model]["made"]["processor"], kept[model]["runs"].items()
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        except FileNotFoundError:
+            raise InputError(
+                f"no baseline at {file}: name its folder by --baselines, or write it by --accept"
+            ) from None
+        except NotADirectoryError:
+            raise InputError(f"--baselines must name a folder, but {in_the_way(folder)} is a file") from None
+        except OSError as error:
+            raise InputError(
+                f"--baselines must name a folder that can be read, got {folder} ({error.strerror or error})"
+            ) from error
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise InputError(f"{file} is no baseline: {error}; write it anew by --accept") from error
     return kept

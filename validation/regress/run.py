@@ -6,6 +6,7 @@ differently. Counts are exact on the same kind of processor and within one a ste
 many iterations within a third of them, since rounding decides how often it is cut back.
 """
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -21,7 +22,7 @@ from coilspring.words import counted, rounded
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import Quantities, Run, find, made, of_runs, read, runs, runs_of
 from validation.study.document import Table
-from validation.study.files import claimed, write_text
+from validation.study.files import claimed, write_text, writing
 from validation.study.kernels import make_ready
 from validation.study.models import MODELS
 
@@ -103,7 +104,8 @@ def regress(
     InputError : baselines that are missing or cannot be read, unless they are about to be written; a scene
         that neither model represents.
     """
-    first = accept and not any((baseline / f"{model}.json").exists() for model in MODELS)
+    with writing(baseline):
+        first = accept and not any((baseline / f"{model}.json").exists() for model in MODELS)
     kept = None if first else read(baseline)
     with ExitStack() as claims:
         for folder in (out, baseline) if accept else (out,):
@@ -142,7 +144,7 @@ def regress(
 
 def kept_scenes(folder: Path) -> dict[str, Scene]:
     """Scenes of a user's baselines in a folder, by name; none where it holds those of the catalogue."""
-    files = sorted(folder.glob(f"*/{SCENE}"))
+    files = sorted(folder.glob(f"*/{SCENE}")) if os.path.isdir(folder) else []
     return {file.parent.name: replace(load_scene(file), name=file.parent.name) for file in files}
 
 

@@ -53,7 +53,8 @@ def claimed(folder: Path) -> Iterator[None]:
 
     A run that fails before it has written anything leaves no new folder behind.
     """
-    new = not folder.exists()
+    with writing(folder):
+        new = not folder.exists()
     prepare(folder)
     with writing(folder):
         handle = os.open(folder, os.O_RDONLY)

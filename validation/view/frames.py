@@ -53,10 +53,14 @@ def of_run(folder: Path) -> Frames:
     """Read the series of VTU files of a run; `InputError` where the folder does not hold one."""
     import meshio
 
-    if not (folder / "wire.pvd").is_file():
-        raise InputError(f"{folder} holds no wire.pvd: {HINT}")
     try:
-        sets = list(ElementTree.parse(folder / "wire.pvd").getroot().iter("DataSet"))
+        series = (folder / "wire.pvd").read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"{folder} holds no wire.pvd that can be read ({error.strerror or error}): {HINT}"
+        ) from error
+    try:
+        sets = list(ElementTree.fromstring(series).iter("DataSet"))
         meshes = [meshio.read(folder / each.attrib["file"], file_format="vtu") for each in sets]
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         steps = ((mesh.points, *(mesh.point_data[name] for name in READ)) for mesh in meshes)
