@@ -83,6 +83,26 @@ def test_study(small, tmp_path, capsys):
     assert [line for line in lines if "random springs, part" in line]
 
 
+@pytest.mark.parametrize(
+    ("files", "said"),
+    [
+        (["law_paper.py", "law_paper.py"], "FILE.py must be files of different names, got law_paper twice"),
+        (["law_paper.py", "other/law_paper.py"], "FILE.py must be files of different names, got law_paper t"),
+        (["law_paper.py", "scene.py"], "law scene.py must have a function parameters(coil), got None"),
+    ],
+)
+def test_all_laws_are_checked_before_one_is_studied(files, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for place in (Path(), Path("other")):
+        place.mkdir(exist_ok=True)
+        (place / "law_paper.py").write_bytes(PAPER.read_bytes())
+    Path("scene.py").touch()
+    monkeypatch.setattr(run, "study_law", lambda *_, **__: pytest.fail("studied in vain"))
+    assert main(["study-law", *files, "--out", "out"]) == 2
+    assert capsys.readouterr().err.startswith(f"coilcheck: {said}")
+    assert not Path("out").exists()
+
+
 def test_verifier_differentiates_the_plain_energy(tmp_path):
     (tmp_path / "law.py").write_text(BRANCHED)
     scene, rng = spring_b(), np.random.default_rng(3)

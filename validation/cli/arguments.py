@@ -215,6 +215,17 @@ def refuse_varied(arguments: argparse.Namespace, keys: Sequence[str]) -> None:
             raise InputError(f"--vary {key} has no effect on {of}: it goes with {read}")
 
 
+def by_name(what: str, files: Sequence[str]) -> dict[str, str]:
+    """Files by name, without folder and suffix; `InputError` for two of one name."""
+    found: dict[str, str] = {}
+    for file in files:
+        name = Path(file).stem
+        if name in found:
+            raise InputError(f"{what} must be files of different names, got {name} twice")
+        found[name] = file
+    return found
+
+
 def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
     """Scenes of a study by name (their catalogue's or their file's, and the geometry); empty for the paper's.
 
@@ -222,10 +233,8 @@ def scenes_of(arguments: argparse.Namespace) -> dict[str, Scene]:
     """
     geometry, only = arguments.geometry, getattr(arguments, "only", None)
     found: dict[str, Scene] = {}
-    for file in arguments.scenes:
-        name = Path(file).stem + (f"-{geometry}" if geometry else "")
-        if name in found:
-            raise InputError(f"SCENE must be files of different names, got {name} twice")
+    for stem, file in by_name("SCENE", arguments.scenes).items():
+        name = stem + (f"-{geometry}" if geometry else "")
         found[name] = replace(load_scene(file).overridden(geometry=geometry), name=name)
     if found and only:
         raise InputError(f"SCENE or --only, not both, got {', '.join(found)} and {','.join(only)}")

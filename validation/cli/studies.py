@@ -17,6 +17,7 @@ from validation.cli.arguments import (
     CAMPAIGN_RANGES,
     COMMON_OPTIONS,
     MODEL_OPTIONS,
+    by_name,
     flag,
     given,
     refuse_other_models,
@@ -182,15 +183,19 @@ def _counted(progress: Progress) -> Callable[[int, int], None]:
 
 
 def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
-    """Study a law of a half coil that a user wrote."""
+    """Study laws of a half coil that a user wrote."""
+    laws = by_name("FILE.py", arguments.laws)
     progress(LOADING)
-    from validation.lawstudy.run import study_law as run
+    from validation.lawstudy import run
 
     lines: list[str] = []
     with claimed(folder), writing(folder):
-        for law in arguments.laws:
-            out = folder / Path(law).stem if len(arguments.laws) > 1 else folder
-            lines += [*run(law, out, progress, quick=arguments.quick), f"written to {out}"]
+        progress("compiling the laws")
+        for law in laws.values():  # before any is studied
+            run.tried(law)
+        for name, law in laws.items():
+            out = folder / name if len(laws) > 1 else folder
+            lines += [*run.study_law(law, out, progress, quick=arguments.quick), f"written to {out}"]
     return lines, ""
 
 

@@ -48,10 +48,8 @@ def study_law(
     What is solved is kept in the store under the content of the file: a study that was interrupted goes on.
     `quick`: fewer springs and scenes, about a minute. `InputError`: no law, or none of a spring at rest.
     """
-    law = law_of(Path(file))
-    assert isinstance(law, UserLaw)
     progress("compiling the law")
-    partial_path(equivbeam.solve, spring_a(), law=law, steps=1)
+    law = tried(file)
     prepare(out)
     store = Store(default_folder())
     extent, count = QUICK if quick else (springs.Extent(), SAMPLED)
@@ -75,6 +73,14 @@ def study_law(
     name = Path(file).as_posix() if not Path(file).is_absolute() else Path(file).name
     write_provenance(f"coilcheck study-law {name}{' --quick' if quick else ''}", out, law=str(law))
     return summary
+
+
+def tried(file: str | Path) -> UserLaw:
+    """The law in a file, compiled; `InputError` where it holds none, or none of a spring at rest."""
+    law = law_of(Path(file))
+    assert isinstance(law, UserLaw)
+    partial_path(equivbeam.solve, spring_a(), law=law, steps=1)
+    return law
 
 
 def table(data: dict[str, pd.DataFrame]) -> pd.DataFrame:
