@@ -7,6 +7,7 @@ import sys
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -34,7 +35,7 @@ from equivbeam import Refinements
 from validation.cli import main
 from validation.regress import timeratios
 from validation.regress.baselines import COARSE, SHIPPED, Run, find, quantities, read, runs, runs_of
-from validation.regress.run import Finding, compare, regress
+from validation.regress.run import Finding, Move, compare, regress
 from validation.regress.run import _scene_moves as scene_moves
 from validation.study import kernels
 from validation.study.cases import CASES
@@ -351,6 +352,24 @@ def test_times_are_judged_on_request_only(small, monkeypatch, capsys):
     assert main(small) == 0
     assert main([*small, "--time"]) == 1
     assert "times: a / b was 2, is 3.5 (factor 1.75, 1.5 allowed)" in capsys.readouterr().out
+
+
+def test_the_shipped_baselines_are_written_from_the_root_of_the_checkout_alone(
+    small, tmp_path, monkeypatch, capsys
+):
+    """From any folder they were, within an installed package; there it is not advised either."""
+    monkeypatch.setattr(validation.regress.baselines, "SHIPPED", tmp_path / "base")
+    command = small[:-2]
+    for folder, code in ((tmp_path, 2), (Path(__file__).parents[1], 0)):
+        monkeypatch.chdir(folder)
+        assert main([*command, "--accept"]) == code
+        assert (tmp_path / "base").exists() == (code == 0)
+    assert "the baselines that come with coilcheck are written anew from the root" in capsys.readouterr().err
+    monkeypatch.setattr(validation.regress.run, "compare", lambda *_: (Move("", "", "", "", ""),))
+    for folder, advised in ((tmp_path, False), (Path(__file__).parents[1], True)):
+        monkeypatch.chdir(folder)
+        assert main(command) == 1
+        assert ("regress --accept" in capsys.readouterr().err) == advised
 
 
 def test_an_interrupted_run_keeps_the_baselines(small, monkeypatch, tmp_path, capsys):

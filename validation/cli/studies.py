@@ -116,8 +116,8 @@ def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
             verdict = f"{name}: {finding.verdict}" if name else finding.verdict
             lines += [*map(str, finding.moves), *finding.left_out, verdict]
             verdicts += [verdict] if finding.moves and not accept else []
-    moved = f"{'; '.join(verdicts)}; where that is meant: regress --accept" if verdicts else ""
-    return [*lines, f"written to {folder}"], moved
+    meant = "; where that is meant: regress --accept" if kept or _in_checkout() else ""
+    return [*lines, f"written to {folder}"], f"{'; '.join(verdicts)}{meant}" if verdicts else ""
 
 
 def _require_shipped(scenes: Mapping[str, Scene], arguments: argparse.Namespace) -> None:
@@ -132,6 +132,16 @@ def _require_shipped(scenes: Mapping[str, Scene], arguments: argparse.Namespace)
     if scenes and arguments.accept:
         names = ", ".join(scenes)
         raise InputError(f"--accept must go with --baselines DIR where SCENE is given, got {names}")
+    if arguments.accept and not _in_checkout():
+        raise InputError(
+            "--accept must go with --baselines DIR: the baselines that come with coilcheck are written anew "
+            "from the root of its checkout alone"
+        )
+
+
+def _in_checkout() -> bool:
+    """Whether the working directory is the root of the checkout whose code this is."""
+    return Path.cwd() == Path(__file__).resolve().parents[2]
 
 
 def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
