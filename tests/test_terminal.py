@@ -52,11 +52,12 @@ def test_progress_is_shown_on_a_terminal_only(monkeypatch, capsys):
     assert "working [on it]" in output.err
 
 
-@pytest.mark.parametrize("command", ["solve", "compare", "sweep"])
+@pytest.mark.parametrize("command", ["check", "solve", "compare", "sweep"])
 def test_the_first_compilation_is_announced(command, monkeypatch, tmp_path):
     """It is half a minute in which nothing else is said; kernels on the disk are not spoken of."""
     more = {"solve": ["--model", "wirefe"], "sweep": ["--vary", "load.force.1=-1,-2", "--workers", "0"]}
-    call = [command, "spring-a", "--steps", "1", *more.get(command, []), "--out", str(tmp_path)]
+    steps = ["--steps", "1"] if command != "check" else []
+    call = [command, "spring-a", *steps, *more.get(command, []), "--out", str(tmp_path)]
     for missing in (False, True):
         lines: list[str] = []
         monkeypatch.setattr(

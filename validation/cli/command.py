@@ -72,17 +72,20 @@ def new(arguments: argparse.Namespace) -> int:
 def check(arguments: argparse.Namespace) -> int:
     """Say what a scene describes."""
     scene = load_scene(arguments.scene)
-    from validation.view.check import report
+    with progress_shown() as progress:
+        progress("loading both models")
+        from validation.view.check import report
 
-    lines, warnings = report(scene)
-    lines += [f"warning: {warning}" for warning in warnings]
-    if arguments.draw or arguments.out:
-        folder = _folder(arguments)
-        prepare(folder)
-        from validation.view.drawing import draw
+        lines, warnings = report(scene, announcing(progress, "equivbeam", scene))
+        lines += [f"warning: {warning}" for warning in warnings]
+        if arguments.draw or arguments.out:
+            folder = _folder(arguments)
+            prepare(folder)
+            progress("drawing")
+            from validation.view.drawing import draw
 
-        draw(scene, folder / "spring.png")
-        lines.append(f"drawn in {folder / 'spring.png'}")
+            draw(scene, folder / "spring.png")
+            lines.append(f"drawn in {folder / 'spring.png'}")
     say(*lines)
     return COMPLETED
 

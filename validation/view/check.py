@@ -1,6 +1,7 @@
 """What a scene file describes: closed-form numbers, warnings, and which models can represent it."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,11 +25,12 @@ STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
 LEFT_OUT = "; its friction, or what makes its coils stick, with --sliding scene alone"
 OFF = 0.1  # share of the rate from which a formula that is off is told
 ELEMENTS_PER_TURN = 40  # of the wire model, where nothing is said
+Progress = Callable[[str], None]
 WORDS = template(Path(__file__).with_name("check.txt"))
 
 
-def report(scene: Scene) -> tuple[list[str], list[str]]:
-    """Lines that say what a scene is, and warnings."""
+def report(scene: Scene, progress: Progress = lambda line: None) -> tuple[list[str], list[str]]:
+    """Lines that say what a scene is, and warnings; `progress` hears of what is solved for them."""
     found = sizes(scene)
     (low, high), angle = found.index, math.degrees(found.helix_angle)
     text = WORDS.render(
@@ -40,7 +42,7 @@ def report(scene: Scene) -> tuple[list[str], list[str]]:
         unknown=math.isnan(found.wire_rates[1]),
         sideways=_sideways(scene),
     )
-    models = (f"  {model:<13} {_verdict(model, scene)}" for model in MODELS)
+    models = (f"  {model:<13} {_verdict(model, scene, progress)}" for model in MODELS)
     warnings = scenewarnings.warnings(scene)
     if float(f"{angle:.3g}") > STEEPEST:  # as it is printed
         steep = f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}"
@@ -66,12 +68,13 @@ def _sideways(scene: Scene) -> float:
     return max(abs(x) for x, _ in scene.load.stages or (scene.load.force,))
 
 
-def _drawn(scene: Scene) -> str:
+def _drawn(scene: Scene, progress: Progress) -> str:
     """What the equivalent beam says of coils drawn far, or nothing; it is solved where a load may draw them,
     since the kernels may have to be compiled for it."""
     forces = scene.load.stages or (scene.load.force,)
     if max(scene.load.displacement, default=0.0) <= 0.0 and all(y <= -abs(x) for x, y in forces):
         return ""
+    progress("solving with equivbeam, without contact")
     bare = scene.without_contact().with_steps(1)
     path = partial_path(equivbeam.solve, bare)
     states, times = path.states, path.times
@@ -80,14 +83,14 @@ def _drawn(scene: Scene) -> str:
     return taut(bare, "haringx", states, times).strip()
 
 
-def _verdict(model: str, scene: Scene) -> str:
+def _verdict(model: str, scene: Scene, progress: Progress) -> str:
     """What a model says to a scene, with its usual mesh."""
     try:
         if model == "equivbeam":
             build_model(scene)
             sticks = scene.contact.enabled and scene.contact.sliding != "free"
             law = f"; {warning}: see --law helix" if (warning := law_warning(scene)) else ""
-            drawn = f"; {said}" if (said := _drawn(scene)) else ""
+            drawn = f"; {said}" if (said := _drawn(scene, progress)) else ""
             return f"represents it{LEFT_OUT if sticks else ''}{law}{drawn}"
         # the parts that may refuse a scene; its spheres are many where coils are
         require_motion(scene)
