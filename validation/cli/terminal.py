@@ -11,7 +11,7 @@ import numpy as np
 
 from coilspring import EquilibriumPath, Scene
 from coilspring.curves import Comparison, Curve
-from coilspring.words import counted
+from coilspring.words import counted, plain
 from validation.study.files import writing
 from validation.study.output import largest_stress
 
@@ -107,11 +107,11 @@ def digest(path: EquilibriumPath) -> list[str]:
             mesh += f", {options['pairs_per_turn']} {kind} per turn"
         chosen = f"chosen for an accuracy of {path.accuracy:g}: {mesh}"
         lines.append(f"  {chosen}; estimated error {path.estimated_error:.2g}")
-        lines.append(f"  {path.other_seconds:.2g} s CPU more for the choice and the estimate")
+        lines.append(f"  {plain(path.other_seconds)} s CPU more for the choice and the estimate")
     count = counted(path.total_iterations, "iteration")
-    ready = f" (and {path.compile_seconds:.2g} s to make the kernels ready)"
+    ready = f" (and {plain(path.compile_seconds)} s to make the kernels ready)"
     told = ready if path.compile_seconds >= TOLD else ""
-    return [*lines, f"  {count}, {path.solve_seconds:.2g} s CPU{told}"]
+    return [*lines, f"  {count}, {plain(path.solve_seconds)} s CPU{told}"]
 
 
 def notes(path: EquilibriumPath) -> list[str]:
