@@ -72,6 +72,11 @@ def _require_key(key: str, table: Mapping[str, Any]) -> None:
         raise InputError(f"unknown section {section!r}; {meant}allowed: {', '.join(SECTIONS)}")
     record = SECTIONS[section]
     name = path[0] if path else ""
+    if not name:
+        keys = allowed_keys(record)
+        raise InputError(
+            f"must name a key of [{section}], as {section}.{keys[0]}; allowed: {', '.join(keys)}"
+        )
     refuse_unknown(f"[{section}]", {name: None}, allowed_keys(record), record)
     value, place = table[section].get(name), f"{section}.{name}"
     for step in path[1:]:
