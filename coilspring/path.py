@@ -85,8 +85,8 @@ class Shape(Protocol):
 class EquilibriumPath:
     """Equilibria of a scene at the requested times, as far as they were reached.
 
-    A path equals itself alone: compare two by `coilspring.compare_paths`. Arrays found from its states are kept,
-    and cannot be written.
+    A path equals itself alone: compare two by `coilspring.compare_paths`. Arrays found from its states cannot
+    be written.
 
     Attributes
     ----------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from contextlib import nullcontext
 from dataclasses import replace
 from inspect import signature
 from types import SimpleNamespace
@@ -958,6 +959,18 @@ def test_stability_passes_its_arguments_on(beams, code, calls, tmp_path, capsys)
     (out, options), progress = calls[0], calls[0][1].pop("progress")
     assert (out, options) == (tmp_path, {"beams": beams, "workers": 0, "seeds": (1,)})
     assert progress(1, 8) is None
+
+
+def test_an_interrupted_command_says_what_is_kept(tmp_path, monkeypatch, capsys):
+    def interrupt(text):
+        if "8 of" in text:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("validation.cli.command.progress_shown", lambda: nullcontext(interrupt))
+    call = ["stability", "--beams", "9", "--wires", "0", "--workers", "0", "--out", str(tmp_path)]
+    assert main(call) == 130
+    said = f"{tmp_path / 'stability.csv'} holds 8 rows; the same command goes on"
+    assert capsys.readouterr().err == f"coilcheck: interrupted: {said}\n"
 
 
 @pytest.mark.parametrize(("seeds", "code"), [("3,4", 0), ("3,8", 1)])

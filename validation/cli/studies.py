@@ -12,6 +12,7 @@ from coilspring import CATALOGUE, InputError, Scene, load_scene
 from coilspring.errors import require_integer
 from coilspring.scene.profile import OTHER_DIAMETERS
 from coilspring.scene.toml import written_table
+from coilspring.words import counted
 from coilspring.workers import require_workers
 from validation.cli.arguments import (
     CAMPAIGN_RANGES,
@@ -28,6 +29,7 @@ from validation.cli.arguments import (
 from validation.cli.terminal import announcing, left_out
 from validation.study.files import claimed, json_bytes, prepare, write_files, write_text, writing
 from validation.study.output import write_runs
+from validation.study.rows import whole_rows
 
 Progress = Callable[[str], None]
 Answer = tuple[list[str], str]
@@ -159,7 +161,7 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     seeds = _seeds(options.pop("seed", None), arguments.seeds)
     progress(LOADING)
     from validation.campaign.run import campaign, digest, verified
-    from validation.campaign.table import row_text
+    from validation.campaign.table import COLUMNS, row_text
     from validation.campaign.verdict import UNEXPLAINED
 
     if case is not None:
@@ -167,7 +169,12 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
         lines, classes = ["\n\n".join(map(row_text, rows))], [row["class"] for row in rows]
     else:
         with claimed(folder), writing(folder):
-            data = campaign(folder, **options, seeds=seeds, progress=_counted(progress))
+            try:
+                data = campaign(folder, **options, seeds=seeds, progress=_counted(progress))
+            except KeyboardInterrupt:
+                file = folder / "stability.csv"
+                kept = counted(len(whole_rows(file, COLUMNS)), "row")
+                raise KeyboardInterrupt(f"{file} holds {kept}; the same command goes on") from None
         lines, classes = [*digest(data), f"written to {folder}"], list(data["class"])
     return lines, "not every outcome is explained" if UNEXPLAINED in classes else ""
 
