@@ -8,6 +8,7 @@ import numpy as np
 
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
+from coilspring.scene.load import stage_ends
 
 COMPONENTS = ("ux", "uy", "rotz")
 # A component whose reference peak is below this share of the largest one is fixed, or only rounding.
@@ -75,20 +76,21 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     ------
     InputError : their loads differ, or how often their wires cross the working plane.
     """
-    loads = [replace(each.scene.load, steps=1) for each in (path, reference)]
-    if loads[0] != loads[1]:
-        raise InputError(f"paths that are compared must have one load, got {loads[0]} and {loads[1]}")
+    mine, theirs = path.scene.load, reference.scene.load
+    prescribed = bool(mine.displacement) != bool(theirs.displacement)
+    if prescribed or not np.array_equal(stage_ends(mine), stage_ends(theirs)):
+        raise InputError(f"paths that are compared must have one load, got {mine} and {theirs}")
     circles = [each.scene.spring.circle_phases().size for each in (path, reference)]
     if circles[0] != circles[1]:
         raise InputError(
             "paths that are compared must be of one spring, got wires that cross the working plane "
             f"{circles[0]} and {circles[1]} times"
         )
-    times, mine, theirs = np.intersect1d(path.times, reference.times, return_indices=True)
+    times, here, there = np.intersect1d(path.times, reference.times, return_indices=True)
     curve = compare_curves(Curve.of(path), Curve.of(reference))
     if times.size == 0:
         return curve
-    vectors = path.circle_centres(mine[-1]) - reference.circle_centres(theirs[-1])
+    vectors = path.circle_centres(here[-1]) - reference.circle_centres(there[-1])
     distance = np.linalg.norm(vectors, axis=1)
     return replace(curve, shape_max=float(distance.max()), shape_rms=float(np.sqrt(np.mean(distance**2))))
 

@@ -85,8 +85,8 @@ class Shape(Protocol):
 class EquilibriumPath:
     """Equilibria of a scene at the requested times, as far as they were reached.
 
-    A path equals itself alone: compare two by `coilspring.compare_paths`. Arrays found from its states cannot
-    be written.
+    A path equals itself alone: compare two by `coilspring.curves.compare_paths`. Arrays found from its states
+    cannot be written.
 
     Attributes
     ----------
@@ -166,6 +166,10 @@ class EquilibriumPath:
             )
         return "\n".join((*lines, cost))
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What was solved; what is found from it is found again."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
     def save(self, file: str | Path | BinaryIO) -> None:
         """Write the path to an npz file, or a binary stream, that `coilspring.load_path` reads."""
         write_fields({item.name: getattr(self, item.name) for item in fields(self)}, file)
@@ -210,7 +214,8 @@ class EquilibriumPath:
         """
         if self.histories is None:
             raise InputError("friction needs a followed path, got one traced by arc length")
-        return self.shape.pair_friction(self.states, self.histories)
+        found = self.shape.pair_friction(self.states, self.histories)
+        return Friction(*(read_only(getattr(found, item.name)) for item in fields(found)))
 
     @property
     def active_contacts(self) -> np.ndarray:
@@ -259,7 +264,8 @@ class EquilibriumPath:
 
         16 |T| / (pi d^3) of the torsional moment T, with Bergstraesser's factor; see `wirefe.stress`.
         """
-        return self.shape.largest_stresses(self.states, self.histories)
+        found = self.shape.largest_stresses(self.states, self.histories)
+        return None if found is None else read_only(found)
 
     @property
     def curve(self) -> dict[str, np.ndarray]:

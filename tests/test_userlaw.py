@@ -271,8 +271,11 @@ ERRORS = {
     f"{DEF}return np.interp(l, [0, 1], [0, 1])": "line 10: np.interp has no derivative",
     f"{DEF}with np.errstate():\n        return l": "line 10: energy cannot be compiled: Unsupported context",
     f"{DEF}return {QUADRATIC} + math.gamma(l)": "line 10: math.gamma has no derivative",
-    f"{DEF}while True: pass": "line 10: TimeoutError: it does not end within 1000000 operations",
+    f"{DEF}while True: pass": "line 10: TimeoutError: it takes more than 5000000 operations",
     f"def f(x):\n    print(x)\n    return x\n{DEF}return {QUADRATIC} + f(0 * l)": "f must not print",
+    f"say = print\n{DEF}say(l)\n    return {QUADRATIC}": "energy must not print",
+    "def make():\n    def energy(l, v, dtheta, p):\n        return k * l\n    return energy\n    k = 1.0\n"
+    "energy = make()": "Cell is empty",
     f"{DEF}return energy(l, v, dtheta, p) if v > 0 else l": "must not call itself",
 }
 

@@ -1,7 +1,9 @@
 """The energy of a user's law, compiled for jets: so its first and second derivatives come with it."""
 
+import builtins
 import linecache
 import re
+from collections import ChainMap
 from collections.abc import Callable
 from functools import lru_cache
 from types import CellType, FunctionType, ModuleType
@@ -56,10 +58,10 @@ def _part_of(function: Any, law: str, content: str, callers: tuple[FunctionType,
     if function in callers:
         raise InputError(f"law {law}: {function.__name__} must not call itself")
     read = {name for code in codes(function.__code__) for name in code.co_names}
-    if "print" in read - function.__globals__.keys():  # it compiles, and its kernel hangs or fails as it runs
-        raise InputError(f"law {law}: {function.__name__} must not print: {ALLOWED}")
 
     def known(value: Any) -> Any:
+        if value is print:  # it compiles, and its kernel hangs or fails as it runs
+            raise InputError(f"law {law}: {function.__name__} must not print: {ALLOWED}")
         if isinstance(value, FunctionType) and not is_foreign(value.__module__):
             return _part_of(value, law, content, (*callers, function))
         if isinstance(value, ModuleType) and not is_foreign(value.__name__):
@@ -68,7 +70,8 @@ def _part_of(function: Any, law: str, content: str, callers: tuple[FunctionType,
             return copied
         return value
 
-    space = {name: known(each) if name in read else each for name, each in function.__globals__.items()}
+    names = ChainMap(function.__globals__, vars(builtins))
+    space = function.__globals__ | {name: known(names[name]) for name in read & names.keys()}
     cells = tuple(CellType(known(cell.cell_contents)) for cell in function.__closure__ or ())
     copied = FunctionType(function.__code__, space, function.__name__, function.__defaults__, cells)
     copied.__qualname__, copied.__module__ = f"{function.__name__}_{content}", __name__

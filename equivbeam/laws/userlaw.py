@@ -36,7 +36,7 @@ from equivbeam.laws.lawchecks import checked_rest, state_text
 from equivbeam.laws.lawcompile import FIRST, compiled_law, why_not_compiled
 
 DIGITS = 16  # of a digest, in the name of a law
-MOST_OPERATIONS = 1_000_000  # of Python, in an energy at rest
+MOST_OPERATIONS = 5_000_000  # of Python, in an energy at rest
 
 
 KNOWN: dict[str, UserLaw] = {}  # laws of this process by what paths keep of them
@@ -73,14 +73,19 @@ class UserLaw:
     def evaluated(self, rows: np.ndarray, index: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Energy and derivatives, as in `Response`, at points (l, v, dtheta) of the half coils `index`."""
         out = np.empty((len(points), len(Response._fields)))
+        rows, points = np.ascontiguousarray(rows), np.ascontiguousarray(points)
+        index = np.asarray(index, dtype=np.int64)
+        self._refusing(lambda: self._compiled(rows.shape[1])[1](rows, index, points, out))
+        return out
+
+    def _refusing(self, compiled: Callable[[], object]) -> None:
+        """Do what compiles the energy; what is wrong with that is said in one sentence."""
         try:
-            rows, points = np.ascontiguousarray(rows), np.ascontiguousarray(points)
-            self._compiled(rows.shape[1])[1](rows, np.asarray(index, dtype=np.int64), points, out)
+            compiled()
         except InputError:
             raise
         except Exception as error:  # numba has many kinds
             raise InputError(f"law {self.name}: {why_not_compiled(self.energy, error)}") from None
-        return out
 
     def columns(self, spring: Spring, material: Material) -> int:
         """How many columns the table of parameters has; `InputError` for parameters that are no numbers."""
@@ -122,7 +127,9 @@ class UserLaw:
 
     def _try(self, coil: HalfCoil, values: list[float]) -> None:
         """The energy at rest as plain Python, whose errors are the clearest."""
-        self._compiled(FIRST + len(values))  # nothing runs that calls itself or prints
+        self._refusing(
+            lambda: self._compiled(FIRST + len(values))
+        )  # nothing runs that calls itself or prints
         place = f"energy of half coil {coil.index + 1} at rest {state_text(coil.length, 0, 0)}"
         where = f"law {self.name}: {place}"
         with np.errstate(all="ignore"):
@@ -192,15 +199,17 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
-def _ending(function: Callable, *arguments: Any) -> Any:
-    """What a function gives, or `TimeoutError` after more operations than any law needs: a compiled loop that
-    does not end could not be interrupted."""
+def _ending(function: FunctionType, *arguments: Any) -> Any:
+    """What a function gives, or `TimeoutError` after more operations in its file than a law needs: a compiled
+    loop that does not end could not be interrupted."""
     operations, before = count(), sys.gettrace()
 
     def trace(frame: FrameType, event: str, argument: Any) -> Any:
+        if frame.f_code.co_filename != function.__code__.co_filename:
+            return None
         frame.f_trace_opcodes = True
         if next(operations) > MOST_OPERATIONS:
-            raise TimeoutError(f"it does not end within {MOST_OPERATIONS} operations")
+            raise TimeoutError(f"it takes more than {MOST_OPERATIONS} operations")
         return trace
 
     sys.settrace(trace)
