@@ -397,3 +397,10 @@ def test_coils_that_touch_at_rest_and_stick_do_so_whatever_rounding_says(name, s
         assert other.outcome == "completed"
         assert deviation(path, other, back)[1] < 1e-8
     assert deviation(path, reached(case, steps=1))[1] < 1e-8
+
+
+@pytest.mark.xfail(strict=True, reason="91 of 1 to 300 steps snap past it by 0.01 d, and complete")
+def test_a_stack_that_closes_all_at_once_ends_in_its_bifurcation_whatever_the_steps():
+    case = make_case("b003283", 1370)
+    outcomes = [reached(case, steps=steps).outcome for steps in range(1, 41)]
+    assert set(outcomes) == {"bifurcation"}
