@@ -187,7 +187,7 @@ def _map(axes: Axes, data: pd.DataFrame, names: tuple[str, str]) -> QuadMesh:
     for row, column in zip(*np.nonzero(~np.ma.getmaskarray(cells)), strict=True):
         value, place = cells[row, column], (middles[0][column], middles[1][row])
         look = {"ha": "center", "color": "white" if value > DARK else "black"}
-        axes.text(*place, f"{value:.0f}", va="bottom", fontsize=SHARE, **look)
+        axes.text(*place, f"{value:.0f} %", va="bottom", fontsize=SHARE, **look)
         axes.text(*place, f"of {count[column, row]:.0f}", va="top", fontsize=COUNT, **look)
     odd, _, _ = np.histogram2d(x, y, bins=edges, weights=data["class"] == UNEXPLAINED)
     corners = [scale.within(1.0 - CORNER)[np.nonzero(odd)[axis]] for axis, scale in enumerate(scales)]
