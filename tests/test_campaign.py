@@ -494,10 +494,10 @@ def test_the_map_says_of_how_many_scenes_a_share_is():
     figure = page.outcome_figure(sampled(_2=few, _30=many, _100=few[:2]))
     axes = figure.axes[0]
     written = {text.get_text(): text.get_position() for text in axes.texts}
-    assert list(written) == ["33", "of 3", "11", "of 80"]
+    assert list(written) == ["33 %", "of 3", "11 %", "of 80"]
     (cross,) = zip(*axes.lines[0].get_data(), strict=True)  # in its cell, clear of the numbers
-    assert written["33"][0] < cross[0] < 1e5
-    assert written["33"][1] < cross[1] < 3.0
+    assert written["33 %"][0] < cross[0] < 1e5
+    assert written["33 %"][1] < cross[1] < 3.0
 
 
 def test_the_map_is_stored_in_the_colours_that_it_has():
