@@ -127,9 +127,8 @@ class UserLaw:
 
     def _try(self, coil: HalfCoil, values: list[float]) -> None:
         """The energy at rest as plain Python, whose errors are the clearest."""
-        self._refusing(
-            lambda: self._compiled(FIRST + len(values))
-        )  # nothing runs that calls itself or prints
+        # first, so that nothing runs that calls itself or prints
+        self._refusing(lambda: self._compiled(FIRST + len(values)))
         place = f"energy of half coil {coil.index + 1} at rest {state_text(coil.length, 0, 0)}"
         where = f"law {self.name}: {place}"
         with np.errstate(all="ignore"):
