@@ -172,7 +172,7 @@ class EquilibriumPath:
 
     def save(self, file: str | Path | BinaryIO) -> None:
         """Write the path to an npz file, or a binary stream, that `coilspring.load_path` reads."""
-        write_fields({item.name: getattr(self, item.name) for item in fields(self)}, file)
+        write_fields(self.__getstate__(), file)
 
     @cached_property
     def loads(self) -> np.ndarray:
