@@ -107,13 +107,14 @@ def compare_curves(curve: Curve, reference: Curve) -> Comparison:
     common, mine, theirs = np.intersect1d(curve.times, reference.times, return_indices=True)
     if common.size == 0:
         return Comparison(NAN, NAN, NAN, NAN, {}, {}, 0, 0.0)
-    relative = over_peak(curve.answers[mine], reference.answers, theirs)
-    moved = ~np.isnan(relative).all(axis=0)
-    names, relative = np.array(COMPONENTS)[moved].tolist(), relative[:, moved]
-    largest = dict(zip(names, np.abs(relative).max(axis=0).tolist(), strict=True))
-    rms = dict(zip(names, np.sqrt(np.mean(relative**2, axis=0)).tolist(), strict=True))
+    moves = moved(reference.answers)
+    names = np.array(COMPONENTS)[moves].tolist()
+    relative = over_peak(curve.answers[mine], reference.answers, theirs)[:, moves]
+    sizes = (np.abs(relative).max(axis=0), np.sqrt(np.mean(relative**2, axis=0)))
+    curve_max, curve_rms = (float(each.max()) for each in sizes)
+    largest, rms = (dict(zip(names, each.tolist(), strict=True)) for each in sizes)
     ends = (common.size, float(common[-1]))
-    return Comparison(max(largest.values()), max(rms.values()), NAN, NAN, largest, rms, *ends)
+    return Comparison(curve_max, curve_rms, NAN, NAN, largest, rms, *ends)
 
 
 def over_peak(
@@ -124,5 +125,13 @@ def over_peak(
     Not a number where the reference does not move.
     """
     peaks = np.abs(reference).max(axis=0, initial=0.0)
-    moved = peaks > NEGLIGIBLE * peaks.max()
-    return (answers - reference[rows]) / np.where(moved, peaks, NAN)
+    return (answers - reference[rows]) / np.where(moved(reference), peaks, NAN)
+
+
+def moved(answers: np.ndarray) -> np.ndarray:
+    """Which components of answers (steps, components) move; the others are fixed, or only rounding.
+
+    One that is not a number counts as moving: a deviation from it is then no number either, and not left out.
+    """
+    peaks = np.abs(answers).max(axis=0, initial=0.0)
+    return ~(peaks <= NEGLIGIBLE * peaks.max())

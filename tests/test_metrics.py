@@ -137,3 +137,10 @@ def test_tips_deviate_in_the_components_that_are_free():
     assert found == pytest.approx([0.02 / 2.02, 0.25, np.nan], nan_ok=True)
     assert tip_deviation(tips[0], np.zeros(3)) == 0.0
     assert np.isnan(tip_deviation(tips[0], tips[1]))
+
+
+def test_what_is_not_a_number_in_a_reference_is_not_left_out():
+    found = compare_paths(REFERENCE, path([0.5, 1.0], [[np.nan, -1.0, 0.1], [-4.0, -10.0, 0.2]]))
+    assert np.isnan(found.component_max.pop("ux"))
+    assert found.component_max == {"uy": 0.0, "rotz": 0.0}
+    assert np.isnan([found.curve_max, found.curve_rms]).all()

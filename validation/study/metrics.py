@@ -2,20 +2,14 @@
 
 import numpy as np
 
-from coilspring.curves import NEGLIGIBLE
+from coilspring.curves import moved
 
 CONFIDENCE = 0.95
 
 
-def moved(tip: np.ndarray) -> np.ndarray:
-    """Which components of a tip move; the others are fixed, or only rounding."""
-    sizes = np.abs(tip)
-    return ~(sizes <= NEGLIGIBLE * sizes.max())
-
-
 def tip_deviation(tips: np.ndarray, reference: np.ndarray) -> np.ndarray:
     """Largest relative deviation of tips (..., components) in the components that the reference moves."""
-    free = moved(reference)
+    free = moved(reference[None])
     return np.max(np.abs(tips - reference)[..., free] / np.abs(reference[free]), axis=-1, initial=0.0)
 
 

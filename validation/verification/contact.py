@@ -13,10 +13,10 @@ from scipy.spatial import cKDTree
 
 import wirefe
 from coilspring import Contact, EquilibriumPath, Load, Scene, load_scene, spring_a, spring_b
-from coilspring.curves import COMPONENTS
+from coilspring.curves import COMPONENTS, moved
 from validation.study import template
 from validation.study.files import write_facts, write_text
-from validation.study.metrics import moved, tip_deviation
+from validation.study.metrics import tip_deviation
 from validation.study.partialsolve import partial_path
 from wirefe.contact.points import ContactArrays
 from wirefe.results.shape import contact_centres
@@ -193,7 +193,7 @@ def two_figures(share: float) -> str:
 def tip(run: Mapping[str, Any], components: int = 3) -> str:
     """Cells of the first components of a run's tip."""
     values = np.array([run[name] for name in COMPONENTS])
-    texts = [f"{value:.4f}" if free else "0" for value, free in zip(values, moved(values), strict=True)]
+    texts = [f"{value:.4f}" if free else "0" for value, free in zip(values, moved(values[None]), strict=True)]
     return " | ".join(texts[:components])
 
 

@@ -9,9 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from coilspring import EquilibriumPath
-from coilspring.curves import COMPONENTS, Curve, over_peak
+from coilspring.curves import COMPONENTS, Curve, moved, over_peak
 from validation.study import style
-from validation.study.metrics import moved
 from validation.study.plots import both, discs, png, to_scale
 
 LABELS = dict(zip(COMPONENTS, style.TIP_LABELS, strict=True))
@@ -35,8 +34,7 @@ def picture(beam: EquilibriumPath, wire: EquilibriumPath) -> Figure:
     Where the top moves along the axis alone: force against deflection, and the difference of both curves.
     Else each component that moves, against the load; where UY is prescribed the axial force.
     """
-    most = np.max([np.abs(path.tips).max(axis=0, initial=0.0) for path in (beam, wire)], axis=0)
-    free = np.array(COMPONENTS)[moved(most)].tolist()
+    free = np.array(COMPONENTS)[moved(np.concatenate((beam.tips, wire.tips)))].tolist()
     figure = Figure(figsize=(style.DOUBLE, 4.4), layout="constrained")
     axial = free == ["uy"]
     names = ["curve", "difference"] if axial else free or list(COMPONENTS)
