@@ -74,11 +74,11 @@ def test_study(small, tmp_path, capsys):
     cases = data[data["part"] == "cases"]
     np.testing.assert_allclose(cases["law_error"], cases["haringx_error"], rtol=1e-4)
     lines: list[str] = []
-    run.study_law(PAPER, tmp_path / "again", lines.append, quick=True)
+    run.study_law(run.tried(PAPER), tmp_path / "again", lines.append, quick=True)
     assert not [line for line in lines if "random springs" in line or "solve" in line or "stability" in line]
     assert (tmp_path / "again/law.csv").read_bytes() == (out / "law.csv").read_bytes()
     lines.clear()
-    run.study_law(RADIAL, tmp_path / "other", lines.append, quick=True)
+    run.study_law(run.tried(RADIAL), tmp_path / "other", lines.append, quick=True)
     assert not [line for line in lines if "wire model" in line]  # its curves serve every law
     assert [line for line in lines if "random springs, part" in line]
 

@@ -201,15 +201,14 @@ def _counted(progress: Progress) -> Callable[[int, int], None]:
 
 def study_law(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
     """Study laws of a half coil that a user wrote."""
-    laws = by_name("FILE.py", arguments.laws)
+    files = by_name("FILE.py", arguments.laws)
     progress(LOADING)
     from validation.lawstudy import run
 
     lines: list[str] = []
     with claimed(folder), writing(folder):
         progress("compiling the laws")
-        for law in laws.values():  # before any is studied
-            run.tried(law)
+        laws = {name: run.tried(file) for name, file in files.items()}  # before any is studied
         for name, law in laws.items():
             out = folder / name if len(laws) > 1 else folder
             lines += [*run.study_law(law, out, progress, quick=arguments.quick), f"written to {out}"]

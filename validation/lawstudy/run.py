@@ -41,15 +41,13 @@ Rows = list[dict[str, Any]]
 
 
 def study_law(
-    file: str | Path, out: Path, progress: Progress = lambda line: None, *, quick: bool = False
+    law: UserLaw, out: Path, progress: Progress = lambda line: None, *, quick: bool = False
 ) -> list[str]:
-    """Write ``law.md``, ``law.csv`` and ``law.png`` of the law in a file to a folder; the page's summary.
+    """Write ``law.md``, ``law.csv`` and ``law.png`` of a `tried` law to a folder; the page's summary.
 
     What is solved is kept in the store under the content of the file: a study that was interrupted goes on.
-    `quick`: fewer springs and scenes, about a minute. `InputError`: no law, or none of a spring at rest.
+    `quick`: fewer springs and scenes, about a minute.
     """
-    progress("compiling the law")
-    law = tried(file)
     prepare(out)
     store = Store(default_folder())
     extent, count = QUICK if quick else (springs.Extent(), SAMPLED)
@@ -70,7 +68,9 @@ def study_law(
     data["springs"] = springs.frame(parts["springs"])
     files, summary = page.files(law, data)
     write_files({FILE: to_csv(table(data), digits=5)} | files, out)
-    name = Path(file).as_posix() if not Path(file).is_absolute() else Path(file).name
+    assert law.source is not None
+    file = Path(law.source[0])
+    name = file.name if file.is_absolute() else file.as_posix()
     write_provenance(f"coilcheck study-law {name}{' --quick' if quick else ''}", out, law=str(law))
     return summary
 
