@@ -55,8 +55,7 @@ def claimed(folder: Path) -> Iterator[None]:
     """
     with writing(folder):
         new = not folder.exists()
-    prepare(folder)
-    with writing(folder):
+        prepare(folder)
         handle = os.open(folder, os.O_RDONLY)
     try:
         try:
