@@ -969,7 +969,7 @@ def test_an_interrupted_command_says_what_is_kept(tmp_path, monkeypatch, capsys)
     monkeypatch.setattr("validation.cli.command.progress_shown", lambda: nullcontext(interrupt))
     call = ["stability", "--beams", "9", "--wires", "0", "--workers", "0", "--out", str(tmp_path)]
     assert main(call) == 130
-    said = f"{tmp_path / 'stability.csv'} holds 8 rows; the same command goes on"
+    said = f"8 of 9 rows are in {tmp_path / 'stability.csv'}; the same command goes on"
     assert capsys.readouterr().err == f"coilcheck: interrupted: {said}\n"
 
 

@@ -28,7 +28,7 @@ from validation.campaign.wire import WireForces
 from validation.campaign.wirejump import verify_jump
 from validation.study.files import prepare
 from validation.study.provenance import write_provenance
-from validation.study.rows import Row, append
+from validation.study.rows import Row, append, interruptible
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
 
@@ -64,13 +64,13 @@ def campaign(
     file = out / "stability.csv"
     names = [case_id("b", i) for i in range(beams)] + [case_id("w", i) for i in range(wires)]
     wanted = [(seed, name) for seed in seeds for name in names]
-    known = table.kept(file, seeds, version())
-    missing = [key for key in wanted if key not in known]
-    done = len(wanted) - len(missing)
-    for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers):
-        append(rows, file, COLUMNS)
-        done += len(rows)
-        progress(done, len(wanted))
+    done = table.kept(file, seeds, version()) & set(wanted)
+    missing = [key for key in wanted if key not in done]
+    with interruptible(file, done, len(wanted)):
+        for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers):
+            append(rows, file, COLUMNS)
+            done |= set(map(table.key_of, rows))
+            progress(len(done), len(wanted))
     chosen = table.sort(file, wanted)
     write_page(chosen, out)
     options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"

@@ -75,17 +75,18 @@ def kept(target: Path, seeds: Sequence[int], version: str) -> set[Key]:
     found = whole_rows(target, COLUMNS)
     rows = [row for row in found if row["seed"] in map(str, seeds) and row["version"] == version]
     write(rows, target, COLUMNS)
-    return {_key(row) for row in rows}
+    return {key_of(row) for row in rows}
 
 
 def sort(target: Path, wanted: list[Key]) -> pd.DataFrame:
     """Write a file in the order of seeds and ids, and return the rows of those wanted."""
-    rows = {_key(row): row for row in sorted(whole_rows(target, COLUMNS), key=_key)}
+    rows = {key_of(row): row for row in sorted(whole_rows(target, COLUMNS), key=key_of)}
     write(rows.values(), target, COLUMNS)
     return pd.DataFrame([rows[key] for key in wanted], columns=list(COLUMNS), dtype=str)
 
 
-def _key(row: Row) -> Key:
+def key_of(row: Row) -> Key:
+    """Seed and id of a row."""
     return int(row["seed"]), row["id"]
 
 

@@ -29,7 +29,6 @@ from validation.cli.arguments import (
 from validation.cli.terminal import announcing, left_out
 from validation.study.files import claimed, json_bytes, prepare, write_files, write_text, writing
 from validation.study.output import write_runs
-from validation.study.rows import whole_rows
 
 Progress = Callable[[str], None]
 Answer = tuple[list[str], str]
@@ -161,7 +160,7 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
     seeds = _seeds(options.pop("seed", None), arguments.seeds)
     progress(LOADING)
     from validation.campaign.run import campaign, digest, verified
-    from validation.campaign.table import COLUMNS, row_text
+    from validation.campaign.table import row_text
     from validation.campaign.verdict import UNEXPLAINED
 
     if case is not None:
@@ -169,12 +168,7 @@ def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -
         lines, classes = ["\n\n".join(map(row_text, rows))], [row["class"] for row in rows]
     else:
         with claimed(folder), writing(folder):
-            try:
-                data = campaign(folder, **options, seeds=seeds, progress=_counted(progress))
-            except KeyboardInterrupt:
-                file = folder / "stability.csv"
-                kept = counted(len(whole_rows(file, COLUMNS)), "row")
-                raise KeyboardInterrupt(f"{file} holds {kept}; the same command goes on") from None
+            data = campaign(folder, **options, seeds=seeds, progress=_counted(progress))
         lines, classes = [*digest(data), f"written to {folder}"], list(data["class"])
     return lines, "not every outcome is explained" if UNEXPLAINED in classes else ""
 

@@ -3,7 +3,8 @@
 import csv
 import io
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
+from contextlib import contextmanager
 from pathlib import Path
 
 from validation.study.files import content_of, write_text, writing
@@ -41,6 +42,16 @@ def append(
         stream.flush()
         if synced:
             os.fsync(stream.fileno())
+
+
+@contextmanager
+def interruptible(file: Path, done: Sized, of: int) -> Iterator[None]:
+    """Say of a block that was interrupted how many of its rows are in the file: those `done` by then."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        said = f"{len(done)} of {of} rows are in {file}; the same command goes on"
+        raise KeyboardInterrupt(said) from None
 
 
 def _lines(rows: Iterable[Mapping[str, object]], columns: Sequence[str]) -> str:

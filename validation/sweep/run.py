@@ -19,7 +19,7 @@ from coilspring.words import counted
 from validation.study.files import content_of, json_bytes, keep, write_bytes
 from validation.study.keys import run_key
 from validation.study.machine import versions
-from validation.study.rows import Row, append, whole_rows, write
+from validation.study.rows import Row, append, interruptible, whole_rows, write
 from validation.study.texts import number_of
 from validation.sweep.grid import Point, Varied, require_any
 
@@ -94,7 +94,7 @@ def sweep(
     progress(done, len(grid))
     chunk = min((CHUNK[choice.model] for _, choice in missing.values()), default=1)
     numbers, jobs = list(missing), iter(missing.values())
-    try:
+    with interruptible(target, rows, len(grid)):
         for number, outcome in outcomes_as_they_come(jobs, chunk=chunk, workers=workers, kernels=_kernels):
             i = numbers[number]
             row = _row(columns, keys[i], grid[i], outcome)
@@ -102,9 +102,6 @@ def sweep(
             rows[keys[i]] = row
             done += 1
             progress(done, len(grid))
-    except KeyboardInterrupt:
-        count = f"{len(rows)} of {len(grid)} rows"
-        raise KeyboardInterrupt(f"{count} are in {target}; the same command goes on") from None
     for point, key in zip(grid, keys, strict=True):
         if point.scene is None:
             rows[key] = _row(columns, key, point, Outcome(REFUSED, point.refused))
