@@ -12,7 +12,6 @@ from coilspring import CATALOGUE, InputError, Scene, load_scene
 from coilspring.errors import require_integer
 from coilspring.scene.profile import OTHER_DIAMETERS
 from coilspring.scene.toml import written_table
-from coilspring.words import counted
 from coilspring.workers import require_workers
 from validation.cli.arguments import (
     CAMPAIGN_RANGES,
@@ -27,7 +26,7 @@ from validation.cli.arguments import (
     scenes_of,
 )
 from validation.cli.terminal import announcing, left_out
-from validation.study.files import claimed, json_bytes, prepare, write_files, write_text, writing
+from validation.study.files import ROOT, claimed, json_bytes, prepare, write_files, write_text, writing
 from validation.study.output import write_runs
 
 Progress = Callable[[str], None]
@@ -117,7 +116,7 @@ def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
             verdict = f"{name}: {finding.verdict}" if name else finding.verdict
             lines += [*map(str, finding.moves), *finding.left_out, verdict]
             verdicts += [verdict] if finding.moves and not accept else []
-    meant = "; where that is meant: regress --accept" if kept or _in_checkout() else ""
+    meant = "; where that is meant: regress --accept" if kept or Path.cwd() == ROOT else ""
     return [*lines, f"written to {folder}"], f"{'; '.join(verdicts)}{meant}" if verdicts else ""
 
 
@@ -133,16 +132,11 @@ def _require_shipped(scenes: Mapping[str, Scene], arguments: argparse.Namespace)
     if scenes and arguments.accept:
         names = ", ".join(scenes)
         raise InputError(f"--accept must go with --baselines DIR where SCENE is given, got {names}")
-    if arguments.accept and not _in_checkout():
+    if arguments.accept and Path.cwd() != ROOT:
         raise InputError(
             "--accept must go with --baselines DIR: the baselines that come with coilcheck are written anew "
             "from the root of its checkout alone"
         )
-
-
-def _in_checkout() -> bool:
-    """Whether the working directory is the root of the checkout whose code this is."""
-    return Path.cwd() == Path(__file__).resolve().parents[2]
 
 
 def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

@@ -14,13 +14,14 @@ from typing import NamedTuple
 
 from markdown_it import MarkdownIt
 
+from validation.study.files import ROOT
 from validation.study.provenance import provenance_table
 
 PAGE = "report.md"
 STYLE = Path(__file__).with_name("page.css")
 PIXELS = 2.0  # on the screen for a point in print: letters of figures as large as the text
 LONG = 30  # rows: a longer table is folded
-STORED = Path(__file__).parents[2] / "reports"  # of a checkout
+STORED = ROOT / "reports"
 FIGURES = "## Figures\n"
 PROVENANCE = """## Provenance
 

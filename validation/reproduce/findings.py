@@ -14,12 +14,11 @@ import pandas as pd
 
 from validation.peers.timing import SCENES
 from validation.reproduce.claims import CASE_NAMES, FUNCTIONS
-from validation.study.files import FACTS, write_text
+from validation.study.files import FACTS, ROOT, write_text
 from validation.study.frames import read_csv
 from validation.study.models import MODELS
 from validation.study.template import Facts, page, template
 
-ROOT = Path(__file__).parents[2]  # of a checkout
 REPORTS = ROOT / "reports"
 REPRODUCTION = REPORTS / "paper" / FACTS
 PAGE = Path("docs/findings.md")

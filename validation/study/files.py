@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+ROOT = Path(__file__).resolve().parents[2]  # of the checkout, or of the packages where they are installed
 FACTS = "facts.json"  # of a study: the numbers by name that findings are computed from
 TEMPORARY = "the folder for temporary files"  # as a message has it
 

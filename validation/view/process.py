@@ -10,7 +10,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
 
-from validation.study.files import TEMPORARY, writing
+from validation.study.files import ROOT, TEMPORARY, writing
 
 COMMAND = (sys.executable, "-m", "validation.view.pictures")
 GIVEN = "given.pickle"
@@ -33,7 +33,7 @@ class Drawing(ExitStack):
         try:
             process = subprocess.Popen(
                 (*COMMAND, str(self.folder), what),
-                cwd=Path(__file__).parents[2],  # `-m` finds the package there, installed or not
+                cwd=ROOT,  # `-m` finds the package there, installed or not
                 stdin=subprocess.PIPE,  # which ends when all is there that is to be drawn
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
