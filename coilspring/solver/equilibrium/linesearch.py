@@ -1,6 +1,7 @@
 """A step shortened until the potential falls, and the residual that it needs."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,17 @@ FLAT = 0.5  # of the slope at the start: near enough to the least potential alon
 MOST_FLAT = 20  # attempts for that
 EVERY = 3  # attempts, one of which is the geometric mean: where the slope jumps no line tells where
 NEXT = 1e-4  # of the length above, in place of that below where this is 0
+
+
+class Tried(NamedTuple):
+    """Three lengths of a step, and the potential's slopes along it there."""
+
+    low: float
+    high: float
+    farther: float
+    before: float  # at `low`
+    behind: float  # at `high`
+    beyond: float  # `farther` on
 
 
 @part
@@ -61,14 +73,16 @@ def whole_step(work, it, energy, gain):
 
 
 @part
-def shorter(low, high, farther, before, behind, beyond, gain, slope, cut):
-    """Length between `low` and `high`: where the potential's slope, linear between its values there, is
-    zero; where it still falls at `high`, the minimum of the parabola through the potential's `gain`.
+def shorter(tried, gain, slope, cut):
+    """Length between `low` and `high` of what was `tried`: where the potential's slope, linear between its
+    values there, is zero; where it still falls at `high`, the minimum of the parabola through the potential's
+    `gain` there and its `slope` at the start.
 
     Where it rises at `high` and more so `farther` on, both are behind a contact that closes: there the slope
     is zero where the line through these two is, however hard the contact. `cut` is the least share of the way
-    from `low` to `high`. Nine arguments: three lengths, what is known there, and the bound.
+    from `low` to `high`.
     """
+    low, high, farther, before, behind, beyond = tried
     if 0.0 < behind < beyond:
         length = high - behind * (farther - high) / (beyond - behind)
         if length > low:
@@ -98,7 +112,8 @@ def line_search(system, target, work, state, it, gain):
     low, high, before, behind = 0.0, 1.0, it.slope, dot(work.g, work.step)
     farther, beyond, cut = 1.0, 0.0, LEAST_CUT
     for i in range(MOST_BACKTRACKS):
-        length = shorter(low, high, farther, before, behind, beyond, gain, it.slope, cut)
+        tried = Tried(low, high, farther, before, behind, beyond)
+        length = shorter(tried, gain, it.slope, cut)
         if i % EVERY == EVERY - 1:
             length = math.sqrt(high * max(low, NEXT * high))
         moved(system, state, work.step, length, work.scratch)
