@@ -10,6 +10,7 @@ The variables are l, v and dtheta of a half coil. A jet is a type of numba's: co
 """
 
 import hashlib
+import itertools
 import math
 import operator
 from collections.abc import Callable
@@ -24,6 +25,7 @@ from numba.extending import intrinsic, lower_cast, make_attribute_wrapper, model
 from coilspring.compiling.compiled import overloaded, part
 
 FIELDS = ("value", "l", "v", "m", "ll", "lv", "lm", "vv", "vm", "mm")  # m stands for dtheta
+FLAT = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # Hessian of what is linear
 
 
 class JetType(types.Type):
@@ -54,10 +56,14 @@ def _packed(context: Any, builder: Any, values: Any) -> Any:
     return found._getvalue()
 
 
-def _jet(typingctx, value, l, v, m, ll, lv, lm, vv, vm, mm):  # noqa: E741
-    """A jet of its ten numbers."""
-    signature = JET(*[types.float64] * len(FIELDS))
-    return signature, lambda context, builder, _, given: _packed(context, builder, given)
+def _jet(typingctx, value, g, H):
+    """A jet of a value, its gradient (3) and the upper triangle of its Hessian (6), as in `FIELDS`."""
+
+    def made(context, builder, _, given):
+        parts = (cgutils.unpack_tuple(builder, each) for each in given[1:])
+        return _packed(context, builder, (given[0], *itertools.chain.from_iterable(parts)))
+
+    return JET(types.float64, *(types.UniTuple(types.float64, count) for count in (3, 6))), made
 
 
 jet: Any = intrinsic(_jet)
@@ -74,11 +80,7 @@ def _constant(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -
 @part
 def variables(l, v, m):  # noqa: E741
     """The variables themselves."""
-    return (
-        jet(l, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        jet(v, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        jet(m, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    )
+    return jet(l, (1.0, 0.0, 0.0), FLAT), jet(v, (0.0, 1.0, 0.0), FLAT), jet(m, (0.0, 0.0, 1.0), FLAT)
 
 
 def lifted(u: Any) -> Any:
@@ -88,7 +90,7 @@ def lifted(u: Any) -> Any:
 @overloaded(lifted)
 def _lifted(u: Any) -> Callable:
     def number(u):
-        return jet(u, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return jet(u, (0.0, 0.0, 0.0), FLAT)
 
     return (lambda u: u) if u == JET else number
 
@@ -96,49 +98,48 @@ def _lifted(u: Any) -> Callable:
 @part
 def chain(u, f, f1, f2):
     """The jet of a function of `u` from its value and derivatives there."""
-    return jet(
-        f, f1 * u.l, f1 * u.v, f1 * u.m,
+    g = (f1 * u.l, f1 * u.v, f1 * u.m)
+    H = (
         f1 * u.ll + f2 * u.l * u.l, f1 * u.lv + f2 * u.l * u.v, f1 * u.lm + f2 * u.l * u.m,
         f1 * u.vv + f2 * u.v * u.v, f1 * u.vm + f2 * u.v * u.m, f1 * u.mm + f2 * u.m * u.m,
     )  # fmt: skip
+    return jet(f, g, H)
 
 
 @part
 def scaled(u, x):
     """u times a number."""
-    return jet(
-        x * u.value, x * u.l, x * u.v, x * u.m, x * u.ll, x * u.lv, x * u.lm, x * u.vv, x * u.vm, x * u.mm
-    )
+    H = (x * u.ll, x * u.lv, x * u.lm, x * u.vv, x * u.vm, x * u.mm)
+    return jet(x * u.value, (x * u.l, x * u.v, x * u.m), H)
 
 
 @part
 def shifted(u, x):
     """u plus a number."""
-    return jet(u.value + x, u.l, u.v, u.m, u.ll, u.lv, u.lm, u.vv, u.vm, u.mm)
+    return jet(u.value + x, (u.l, u.v, u.m), (u.ll, u.lv, u.lm, u.vv, u.vm, u.mm))
 
 
 @part
 def add(u, w):
     """u + w."""
-    return jet(
-        u.value + w.value, u.l + w.l, u.v + w.v, u.m + w.m,
-        u.ll + w.ll, u.lv + w.lv, u.lm + w.lm, u.vv + w.vv, u.vm + w.vm, u.mm + w.mm,
-    )  # fmt: skip
+    H = (u.ll + w.ll, u.lv + w.lv, u.lm + w.lm, u.vv + w.vv, u.vm + w.vm, u.mm + w.mm)
+    return jet(u.value + w.value, (u.l + w.l, u.v + w.v, u.m + w.m), H)
 
 
 @part
 def multiply(u, w):
     """u w."""
     a, b = u.value, w.value
-    return jet(
-        a * b, a * w.l + b * u.l, a * w.v + b * u.v, a * w.m + b * u.m,
+    g = (a * w.l + b * u.l, a * w.v + b * u.v, a * w.m + b * u.m)
+    H = (
         a * w.ll + b * u.ll + 2.0 * u.l * w.l,
         a * w.lv + b * u.lv + u.l * w.v + u.v * w.l,
         a * w.lm + b * u.lm + u.l * w.m + u.m * w.l,
         a * w.vv + b * u.vv + 2.0 * u.v * w.v,
         a * w.vm + b * u.vm + u.v * w.m + u.m * w.v,
         a * w.mm + b * u.mm + 2.0 * u.m * w.m,
-    )  # fmt: skip
+    )
+    return jet(a * b, g, H)
 
 
 @part
