@@ -12,7 +12,7 @@ from coilspring.compiling.compiled import arithmetic, inlined
 from coilspring.contact.rates import GAP_RATE, LENGTH_RATE, length_gradient, pair_rate
 from wirefe.contact.spheres import between
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT
-from wirefe.contact.wireforces import ALL, MOST, SLOTS, Forms, Frame, put_station, tangential_forces
+from wirefe.contact.wireforces import ALL, MOST, SLOTS, Forms, Frame, put_pair, tangential_forces
 from wirefe.contact.wires import between_sections, gap_of
 from wirefe.element.algebra import cross, dot, plus
 from wirefe.element.poses import ROW, four, three, three_of
@@ -135,6 +135,5 @@ def wire_gradient(contact, state, row, m, g):
     forces = tangential_forces(none, 1.0 / rho if rho > 0.0 else 0.0, xi, h, frame)
     L = np.empty((0, MOST))
     forms = Forms(L, L, L, np.empty((SLOTS, 9)), L)
-    put_station(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, forces, forms, 0, g)
-    put_station(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, forces, forms, 2, g)
+    put_pair(contact, state, m, row.arms, frame, forces, forms, g)
     return rho

@@ -53,6 +53,14 @@ class Frame(NamedTuple):
     column: Any  # and the first of them
 
 
+class Station(NamedTuple):
+    """A station of a pair."""
+
+    k: Any  # of all stations
+    arm: Any  # material point of its section that touched first
+    first: Any  # slot of its nodes: 0 of the station that w leads away from, else 2
+
+
 class Forces(NamedTuple):
     """Forces of a pair on the motions dv, dtau and dxi."""
 
@@ -116,12 +124,21 @@ def _node_forms(L, slot, c, e, r, q, x, frame):
 
 
 @arithmetic
-def put_station(contact, state, k, rho, frame, forces, forms, first, g):
-    """Add the gradient of a station's nodes, and fill its columns of `Forms` unless these are empty.
+def put_pair(contact, state, m, arms, frame, forces, forms, g):
+    """Add the gradient of a pair's nodes, and fill its columns of `Forms` unless these are empty.
 
-    The slots are `first` (0 for the pair's first station, which w leads away from) and the next one. Nine
-    arguments: where the wire is, what acts on it, and where that goes.
+    `arms` (6,) are the material points that touched first, in the sections of both stations.
     """
+    low = Station(contact.pairs[m, 0], three(arms, 0), 0)
+    high = Station(contact.pairs[m, 1], three(arms, 3), 2)
+    _put_station(contact, state, low, frame, forces, forms, g)
+    _put_station(contact, state, high, frame, forces, forms, g)
+
+
+@arithmetic
+def _put_station(contact, state, station, frame, forces, forms, g):
+    """The same of one station."""
+    k, rho, first = station
     L, arms = forms.L, forms.arms
     node, parts, sign = contact.attached[k], contact.parts, -1.0 if first == 0 else 1.0
     for slot in range(1 if parts[k, ROTATION] == 0.0 else 2):
@@ -317,8 +334,7 @@ def add_wires(contact, history, state, g, H):
             forces = tangential_forces(forces.gap, ratio, xi, h, frame)
             if whole:
                 _tangential(ratio, (slope - ratio) / rho**2 if rho > 0.0 else 0.0, xi, h, Q)
-        put_station(contact, state, contact.pairs[m, 0], three(row.arms, 0), frame, forces, forms, 0, g)
-        put_station(contact, state, contact.pairs[m, 1], three(row.arms, 3), frame, forces, forms, 2, g)
+        put_pair(contact, state, m, row.arms, frame, forces, forms, g)
         if whole:
             _put_products(forms, column, count)
             _add_levers(contact, m, forms.arms, forces, H)
