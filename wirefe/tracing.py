@@ -18,6 +18,7 @@ from coilspring.solver.interrupt import interruptible
 from coilspring.solver.outcome import THROUGH, warning
 from coilspring.solver.problem import Problem
 from coilspring.solver.startup import kernel_bundle
+from coilspring.solver.system import Data
 from wirefe.mesh import chord_warning
 from wirefe.results.shape import WireShape
 from wirefe.rod import Rod, RodPath
@@ -137,10 +138,9 @@ def _run(problem: Problem, kernels: Kernels, points: int) -> tuple[Trace, Cost]:
     follow, bundle = compiled_trace(), kernel_bundle(kernels)
     compiling = time.perf_counter() - began
     began = time.process_time()
-    found = Trace(*interruptible(
-        follow, *pack(problem.data), problem.prescribed, bundle, problem.load, points, problem.start,
-        problem.history.copy(), problem.matrix_size,
-    ))  # fmt: skip
+    data, history = Data(*pack(problem.data), problem.prescribed), problem.history.copy()
+    asked = (problem.load, points, problem.start, history, problem.matrix_size)
+    found = Trace(*interruptible(follow, data, bundle, *asked))
     solving = time.process_time() - began
     return found, Cost(int(found.iterations.sum()), found.pairs, solving, compiling)
 

@@ -13,7 +13,7 @@ from numba.experimental import structref
 from coilspring.compiling.compiled import lent, part, signed, zeros
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.solver.interface import SIGNATURES, Kernels, record_type
-from coilspring.solver.system import NEWTON, System, Target, Task, Workspace
+from coilspring.solver.system import NEWTON, PATH, SUBSTEP, Data, Records, System, Target, Task, Workspace
 
 
 @structref.register
@@ -91,7 +91,8 @@ def system_types() -> tuple[Any, ...]:
     """Types of what `system_of` takes."""
     vector = types.float64[::1]
     functions = (*_kernel_types(), types.FunctionType(equilibrium_signature()))
-    return vector, types.int64[::1], vector, _KernelFields(tuple(zip(FUNCTIONS, functions, strict=True)))
+    data = types.NamedTuple((vector, types.int64[::1], vector), Data)
+    return data, _KernelFields(tuple(zip(FUNCTIONS, functions, strict=True)))
 
 
 def task_type() -> Any:
@@ -99,6 +100,11 @@ def task_type() -> Any:
     vector, real = types.float64[::1], types.float64
     fields = (*(vector,) * 5, *(real,) * 5, types.int64, types.boolean, types.boolean)
     return types.NamedTuple(fields, Task)
+
+
+def records_type() -> Any:
+    """numba's type of `Records`."""
+    return types.NamedTuple([record_type(dtype) for dtype in (PATH, SUBSTEP, NEWTON)], Records)
 
 
 def workspace_type() -> Any:
@@ -111,6 +117,6 @@ def workspace_type() -> Any:
 
 # `System` in compiled code.
 _kernels = ", ".join(f"kernels.{name}" for name in Kernels._fields)
-_system = f"SystemRef(lent(reals), lent(ints), lent(prescribed), zeros(1), {_kernels})"
+_system = f"SystemRef(lent(data.reals), lent(data.ints), lent(data.prescribed), zeros(1), {_kernels})"
 _reads = {"SystemRef": SystemRef, "lent": lent, "zeros": zeros}
-system_of = part(_written("system_of", "reals, ints, prescribed, kernels", _system, **_reads))
+system_of = part(_written("system_of", "data, kernels", _system, **_reads))

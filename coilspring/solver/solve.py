@@ -20,7 +20,18 @@ from coilspring.solver.outcome import judged, snaps, undecided, verdict, warning
 from coilspring.solver.problem import Problem, Track
 from coilspring.solver.stages import stages
 from coilspring.solver.startup import ready
-from coilspring.solver.system import COMPLETED, NEW_PAIR, NEWTON, PATH, STUCK, SUBSTEP, Task, Workspace
+from coilspring.solver.system import (
+    COMPLETED,
+    NEW_PAIR,
+    NEWTON,
+    PATH,
+    STUCK,
+    SUBSTEP,
+    Data,
+    Records,
+    Task,
+    Workspace,
+)
 
 # Of a substep with the exact tangent: 2 or 3 far from changes of contact, many with kinks.
 MOST_ITERATIONS = 200
@@ -63,7 +74,7 @@ class Walk:
             "least_gaps": np.empty(rows),
         }
         self.work = Workspace(**arrays)
-        self.path, self.substep, self.newton = (np.zeros(1, dtype) for dtype in (PATH, SUBSTEP, NEWTON))
+        self.records = Records(*(np.zeros(1, dtype) for dtype in (PATH, SUBSTEP, NEWTON)))
 
     def extend(self, problem: Problem) -> None:
         """Make room for the pairs that a problem has beyond those so far, and for its matrix."""
@@ -75,7 +86,7 @@ class Walk:
 
     def track(self) -> Track:
         """What has been followed so far."""
-        path, work = self.path[0], self.work
+        path, work = self.records.path[0], self.work
         row = int(path["row"])
         return Track(
             states=work.states[:row],
@@ -122,16 +133,14 @@ def follow_problem(
     )  # fmt: skip
     walk = Walk(problem, times)
     while True:
-        interruptible(
-            follow, *pack(problem.data), problem.prescribed, bundle, task, walk.work, walk.path,
-            walk.substep, walk.newton,
-        )  # fmt: skip
-        if walk.path[0]["outcome"] != NEW_PAIR or problem.extended is None:
+        data = Data(*pack(problem.data), problem.prescribed)
+        interruptible(follow, data, bundle, task, walk.work, walk.records)
+        if walk.records.path[0]["outcome"] != NEW_PAIR or problem.extended is None:
             break
         more = problem.extended(walk.work.trial)
         new = len(more.history) - len(problem.history)
         if new == 0:
-            walk.path[0]["outcome"] = STUCK
+            walk.records.path[0]["outcome"] = STUCK
             break
         history = _with_pairs(problem.history, new)
         problem = replace(

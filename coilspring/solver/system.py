@@ -13,6 +13,14 @@ PLACE, DOF, DIAGONAL, STIFFNESS, CHANGE = range(5)
 FREE = np.zeros(0)  # nothing is prescribed
 
 
+class Data(NamedTuple):
+    """A model's numbers, see `coilspring.compiling.packing`, and the prescribed degree of freedom."""
+
+    reals: np.ndarray
+    ints: np.ndarray
+    prescribed: np.ndarray  # (5,) or empty
+
+
 class System(NamedTuple):
     """A model with its kernels, see `coilspring.solver.interface`, and the prescribed degree of freedom."""
 
@@ -289,3 +297,11 @@ NEWTON = np.dtype(
     ],
     align=True,
 )
+
+
+class Records(NamedTuple):
+    """Where a path stands: arrays of one record each."""
+
+    path: np.ndarray  # `PATH`
+    substep: np.ndarray  # `SUBSTEP`
+    newton: np.ndarray  # `NEWTON`

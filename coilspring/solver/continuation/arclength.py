@@ -110,14 +110,13 @@ def direction(v, negative, scale, along, pitch, new):
     return sign / size, sign * (dot(v, along) / scale**2 + pitch) / size
 
 
-def trace(reals, ints, prescribed, kernels, load, points, start, history, size, stop):
+def trace(data, kernels, load, points, start, history, size, stop):
     """Trace at most `points` points of the path from rest, or to time 1.
 
-    `history` is overwritten. `size` is the length of the matrix, `stop` as in
-    `coilspring.solver.continuation.follower.follow`. Ten arguments: compiled code is entered here, bundles
-    begin inside.
+    `history` is overwritten. `size` is the length of the matrix; the others as in
+    `coilspring.solver.continuation.follower.follow`.
     """
-    system = system_of(reals, ints, prescribed, kernels)
+    system = system_of(data, kernels)
     times, states = np.empty(points), np.empty((points, start.size))
     iterations, negatives = np.zeros(points, np.int64), np.zeros(points, np.int64)
     v, along, new, g, w = (
@@ -128,7 +127,7 @@ def trace(reals, ints, prescribed, kernels, load, points, start, history, size, 
         zeros(load.size),
     )
     state, trial, scratch, H = copied(start), copied(start), copied(start), zeros(size)
-    least_gap = system.update_history(reals, ints, state, history)
+    least_gap = system.update_history(data.reals, data.ints, state, history)
     _, pairs = assembled(system, state, least_gap, history, state, g, H)
     factored(system, H)
     solution(system, H, load, 1.0, v)
@@ -152,7 +151,7 @@ def trace(reals, ints, prescribed, kernels, load, points, start, history, size, 
         copy(trial, state)
         copy(new, along)
         time, pitch = reached, share
-        least_gap = system.update_history(reals, ints, state, history)
+        least_gap = system.update_history(data.reals, data.ints, state, history)
         times[row], iterations[row], negatives[row] = time, spent, negative
         copy(state, states[row])
         row, spent = row + 1, 0

@@ -14,7 +14,15 @@ from numba import types
 from coilspring.compiling.compiled import copy, lent, part, signed
 from coilspring.contact.history import copy_history
 from coilspring.contact.kinematics import BETWEEN
-from coilspring.solver.bundles import TaskRef, WorkRef, system_of, system_types, task_type, workspace_type
+from coilspring.solver.bundles import (
+    TaskRef,
+    WorkRef,
+    records_type,
+    system_of,
+    system_types,
+    task_type,
+    workspace_type,
+)
 from coilspring.solver.continuation.accept import LEAST_LEFT, accept
 from coilspring.solver.continuation.branch import PAIR_MOTION, curvature, displacement_bound, predict
 from coilspring.solver.continuation.shorten import shorten
@@ -40,37 +48,25 @@ from coilspring.solver.continuation.substep import (
 )
 from coilspring.solver.equilibrium.newton import LINEAR
 from coilspring.solver.equilibrium.operations import put_prescribed
-from coilspring.solver.interface import record_type
-from coilspring.solver.system import (
-    COMPLETED,
-    CRITICAL,
-    EXHAUSTED,
-    NEW_PAIR,
-    NEWTON,
-    PATH,
-    SUBSTEP,
-)
+from coilspring.solver.system import COMPLETED, CRITICAL, EXHAUSTED, NEW_PAIR
 
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
 CAREFUL = 2.0  # times the last substep, at most, where next to nothing is left of the stiffness
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
 
-def follow(reals, ints, prescribed, kernels, task, work, path_, substep_, newton_, stop):
-    """Follow the equilibrium through the requested times, from the start or from where `path_` stands.
+def follow(data, kernels, task, work, records, stop):
+    """Follow the equilibrium through the requested times, from the start or from where the path stands.
 
     Parameters
     ----------
-    reals, ints, prescribed, kernels : see `coilspring.solver.system.System`.
-    task, work : `Task` and `Workspace`.
-    path_, substep_, newton_ : records, see `coilspring.solver.system`.
+    data, kernels : `Data`, and `coilspring.solver.bundles.bundled` kernels.
+    task, work, records : `Task`, `Workspace` and `Records`, see `coilspring.solver.system`.
     stop : one integer; another thread sets it to end the path at the next substep.
-
-    Ten arguments: compiled code is entered here, bundles begin inside.
     """
-    system = system_of(reals, ints, prescribed, kernels)
+    system = system_of(data, kernels)
     task, work = TaskRef(*lent(task)), WorkRef(*lent(work))
-    path, substep, it = path_[0], substep_[0], newton_[0]
+    path, substep, it = records.path[0], records.substep[0], records.newton[0]
     if path.tries == 0:
         begin(system, task, work, path)
     elif path.outcome == NEW_PAIR:
@@ -249,5 +245,5 @@ def knows_pairs(system, work, path, substep):
 @lru_cache(maxsize=1)
 def compiled_follow() -> Callable:
     """`follow`, compiled; read from the cache where stored."""
-    records = (record_type(dtype) for dtype in (PATH, SUBSTEP, NEWTON))
-    return signed(follow, *system_types(), task_type(), workspace_type(), *records, types.int64[::1])
+    bundles = (task_type(), workspace_type(), records_type())
+    return signed(follow, *system_types(), *bundles, types.int64[::1])
