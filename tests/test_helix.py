@@ -29,8 +29,8 @@ from equivbeam.laws import LAWS
 from equivbeam.laws.helix import HIGH, LOW, U0, axial, helix_response, helix_rows
 from equivbeam.model import build_model
 from equivbeam.options import BeamOptions
+from validation.study.cases import EXACT_ROD
 from validation.study.partialsolve import partial_path
-from validation.study.scenes import EXACT_ROD
 
 ALL = Refinements()
 NONE = Refinements(**dict.fromkeys(vars(ALL), False))

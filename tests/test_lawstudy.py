@@ -17,8 +17,7 @@ from validation.campaign.run import verified
 from validation.cli import main
 from validation.lawstudy import checks, page, run, springs
 from validation.study import template
-from validation.study.cases import CASES
-from validation.study.scenes import study_scenes
+from validation.study.cases import CASES, study_scenes
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PAPER, RADIAL = EXAMPLES / "law_paper.py", EXAMPLES / "law_radial.py"

@@ -23,8 +23,8 @@ from coilspring import (
 from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.scene.wire import round_section
+from validation.study.cases import EXACT_ROD
 from validation.study.partialsolve import partial_path
-from validation.study.scenes import EXACT_ROD
 from wirefe import kernels, model
 from wirefe.element.beam import beams
 from wirefe.element.poses import at_rest

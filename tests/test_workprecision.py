@@ -18,9 +18,8 @@ from validation.cli import main
 from validation.cli.arguments import STUDY_SCENES
 from validation.peers.comparison import opensees
 from validation.peers.layout import PeerCurve
-from validation.study.cases import PAPER_MESH
+from validation.study.cases import PAPER_MESH, study_scenes
 from validation.study.provenance import write_provenance
-from validation.study.scenes import study_scenes
 from validation.workprecision import figures, page, results
 from validation.workprecision.settings import (
     EXTENTS,

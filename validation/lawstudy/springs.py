@@ -12,11 +12,10 @@ import pandas as pd
 from coilspring import Scene
 from coilspring.curves import Curve, compare_paths
 from equivbeam.laws.userlaw import UserLaw
-from validation.study.cases import CASES
+from validation.study.cases import CASES, study_scenes
 from validation.study.models import LAWS
 from validation.study.partialsolve import partial_path
 from validation.study.paths import PathStore, solve_beam, solve_wire
-from validation.study.scenes import study_scenes
 from validation.study.timing import interleaved, median_of
 from validation.verification.ablation import CONVERGED
 from validation.verification.randompage import CLASSES, classified

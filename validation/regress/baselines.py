@@ -10,12 +10,12 @@ import numpy as np
 
 from coilspring import CATALOGUE, EquilibriumPath, InputError, Load, Scene
 from coilspring.curves import COMPONENTS
+from validation.study.cases import study_scenes
 from validation.study.files import in_the_way, write_text
 from validation.study.machine import machine, versions
 from validation.study.models import LAWS, MODELS
 from validation.study.partialsolve import partial_path
 from validation.study.paths import solve_beam, solve_wire
-from validation.study.scenes import study_scenes
 
 SHIPPED = Path(__file__).with_name("baseline")  # of the runs on the catalogue's scenes
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)  # of the steps reached, at which the tips are kept

@@ -11,7 +11,7 @@ import numpy as np
 import wirefe
 from coilspring import Contact, Load, Material, Scene, Spring, load_scene, spring_a, spring_b
 from coilspring.scene.wire import Section, round_section
-from validation.study.scenes import EXACT_ROD
+from validation.study.cases import EXACT_ROD
 from validation.verification.case import VerificationCase
 from wirefe.results.linear import tip_flexibility
 

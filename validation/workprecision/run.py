@@ -20,13 +20,13 @@ from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
 from coilspring.curves import Curve, compare_curves, compare_paths, over_peak
 from coilspring.errors import require_names
 from validation.peers.comparison import opensees
+from validation.study.cases import EXACT_ROD, study_scenes
 from validation.study.files import prepare, write_files
 from validation.study.kernels import make_ready
 from validation.study.machine import versions
 from validation.study.partialsolve import partial_path
 from validation.study.paths import solve_beam, solve_wire
 from validation.study.provenance import write_provenance
-from validation.study.scenes import EXACT_ROD, study_scenes
 from validation.study.timing import announced, interleaved, median_of, quartiles
 from validation.workprecision import page, results
 from validation.workprecision.results import left_out, ranked, row
