@@ -37,7 +37,7 @@ from validation.regress import timeratios
 from validation.regress.baselines import COARSE, SHIPPED, Run, find, quantities, read, runs, runs_of
 from validation.regress.run import Finding, Move, compare, regress
 from validation.regress.run import _scene_moves as scene_moves
-from validation.study import kernels
+from validation.study import paths
 from validation.study.cases import CASES
 from validation.study.machine import _processor, machine
 from validation.study.models import MODELS
@@ -449,9 +449,9 @@ def test_a_law_without_a_path_is_made_ready_too(monkeypatch):
     short = partial(solve, penalty=600.0)  # a limit point before full load
     with pytest.raises(EquilibriumNotFound):
         short(CATALOGUE["spring-b"](), steps=1)
-    monkeypatch.setattr(kernels.equivbeam, "solve", short)
-    monkeypatch.setattr(kernels, "background", lambda code: nullcontext())
-    kernels.make_ready.__wrapped__()
+    monkeypatch.setattr(paths.equivbeam, "solve", short)
+    monkeypatch.setattr(paths, "background", lambda code: nullcontext())
+    paths.make_ready.__wrapped__()
 
 
 @pytest.mark.parametrize("name", timeratios.RUNS)

@@ -144,7 +144,7 @@ class _Run:
     def times(self) -> bytes:
         """Table 3 as CSV: stored times of these sources and this processor, or measured now."""
         here = machine()
-        measuring = ("reproduce.times", "study.timing", "study.cases", "study.paths", "study.kernels")
+        measuring = ("reproduce.times", "study.timing", "study.cases", "study.paths")
         name = key(
             "times",
             sources=sources(*PACKAGES, *(f"validation.{module}" for module in measuring)),

@@ -19,9 +19,9 @@ from validation.sensitivity.inputs import INPUTS, KINDS, NAMES, OPEN, SILENT, VA
 from validation.study.cases import CASES
 from validation.study.document import Table
 from validation.study.files import prepare, write_text
-from validation.study.kernels import make_ready
 from validation.study.models import MODELS
 from validation.study.partialsolve import EndedEarly, ending
+from validation.study.paths import make_ready
 from validation.study.provenance import write_provenance
 from validation.study.template import page, template
 

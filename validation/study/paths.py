@@ -2,21 +2,27 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from io import BytesIO
 from typing import Any
 
 import equivbeam
 import wirefe
-from coilspring import EquilibriumNotFound, EquilibriumPath, Scene, load_path
+from coilspring import EquilibriumNotFound, EquilibriumPath, Scene, load_path, spring_b
+from coilspring.solver.startup import background
 from equivbeam.laws import law_of
 from validation.study.cases import PAPER_BEAM, paper_mesh
-from validation.study.kernels import make_ready
 from validation.study.keys import run_key
 from validation.study.models import BEAM, WIRE
 from validation.study.partialsolve import partial_path
 from validation.study.store import Store
 
 PATH = "path.npz"  # of an entry of the store
+
+WIRE_KERNELS = (
+    "from wirefe.solve import KERNELS; "
+    "from coilspring.solver.startup import compile_kernels; compile_kernels(KERNELS)"
+)
 
 
 def solve_beam(scene: Scene, **options: Any) -> EquilibriumPath:
@@ -27,6 +33,13 @@ def solve_beam(scene: Scene, **options: Any) -> EquilibriumPath:
 def solve_wire(scene: Scene, **options: Any) -> EquilibriumPath:
     """Path of the wire model, solved anew; by default on the paper's mesh."""
     return wirefe.solve(scene, **(paper_mesh(scene) | options))
+
+
+@cache
+def make_ready() -> None:
+    """Compile the wire model's kernels in a subprocess while this process compiles the others; once."""
+    with background(WIRE_KERNELS):
+        partial_path(equivbeam.solve, spring_b(), steps=1)  # an edited law may have no path
 
 
 @dataclass

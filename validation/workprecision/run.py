@@ -22,10 +22,9 @@ from coilspring.errors import require_names
 from validation.peers.comparison import opensees
 from validation.study.cases import EXACT_ROD, study_scenes
 from validation.study.files import prepare, write_files
-from validation.study.kernels import make_ready
 from validation.study.machine import versions
 from validation.study.partialsolve import partial_path
-from validation.study.paths import solve_beam, solve_wire
+from validation.study.paths import make_ready, solve_beam, solve_wire
 from validation.study.provenance import write_provenance
 from validation.study.timing import announced, interleaved, median_of, quartiles
 from validation.workprecision import page, results
