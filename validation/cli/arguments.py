@@ -16,7 +16,7 @@ from validation.reproduce import ARTEFACTS
 from validation.study.machine import versions
 from validation.study.models import LAWS
 from validation.study.output import WIRE_FILES
-from validation.study.texts import number_of
+from validation.sweep.grid import number_of
 
 MODEL_OPTIONS = {
     "equivbeam": ("law", "tangent", "sliding"),

@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass
 from itertools import product
@@ -14,7 +15,6 @@ from coilspring import InputError, Scene
 from coilspring.scene.scene import SECTIONS
 from coilspring.scene.schema import keys_of
 from coilspring.scene.toml import allowed_keys, refuse_unknown, scene_from_table
-from validation.study.texts import number_of
 
 MOST = 100_000  # scenes of a grid
 DIGITS = 12  # of a value within a range, which is then what a user would write
@@ -114,6 +114,14 @@ def _values(text: str) -> tuple[Any, ...]:
     values = [float(f"{value:.{DIGITS}g}") for value in np.linspace(first, last, count)]
     whole = isinstance(first, int) and isinstance(last, int) and all(map(float.is_integer, values))
     return tuple(map(int, values)) if whole else tuple(values)  # a number of steps is an integer
+
+
+def number_of(text: str) -> int | float | str:
+    """The number that `text` says; else the text, for the library to refuse with the range."""
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
+    return text
 
 
 def _different(values: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -20,8 +20,7 @@ from validation.study.files import content_of, json_bytes, keep, write_bytes
 from validation.study.keys import run_key
 from validation.study.machine import versions
 from validation.study.rows import Row, append, interruptible, whole_rows, write
-from validation.study.texts import number_of
-from validation.sweep.grid import Point, Varied, require_any
+from validation.sweep.grid import Point, Varied, number_of, require_any
 
 CHUNK = {"equivbeam": 16, "wirefe": 1}  # springs handed to a worker at a time: lost where it is interrupted
 FILE, PICTURE, SETTINGS = "sweep.csv", "sweep.png", "sweep.json"
