@@ -8,7 +8,7 @@ import pytest
 
 import wirefe
 from coilspring import Contact, Load, Scene, Spring, Supports
-from coilspring.contact.history import barely_pressed, let_go
+from coilspring.contact.history import barely_pressed, release_grazing
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.contact.touching import GRAZING
 from coilspring.solver.tangential.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
@@ -289,11 +289,11 @@ def test_pairs_let_go_that_graze_or_are_about_to_open():
     history.closed, history.bound, history.kept, history.stiffness = True, np.inf, 1.0, 10.0
     history.gap = -1e-3, -1e-9, -1e-9, 0.0  # pressed, about to open, touching without a force, grazing
     history.before, history.grazes = (0.1, 0.1, 0.0, 0.1), (False, False, False, True)
-    assert let_go(history, 1e-6)
+    assert release_grazing(history, 1e-6)
     assert history.opening.tolist() == [False, True, False, True]
     assert history.held.tolist() == [0.0, 1.0, 0.0, 0.0]
     assert not history.grazes.any()
-    assert not let_go(history[:1], 1e-6)
+    assert not release_grazing(history[:1], 1e-6)
 
 
 def test_a_touch_within_a_substep_does_not_depend_on_the_last_digits():

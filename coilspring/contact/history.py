@@ -97,8 +97,8 @@ def barely_pressed(history, deep):
 
 
 @part
-def let_go(history, pressed):
-    """Have pairs released that graze, or that are about to open: `pressed`, mm, by no more than those that
+def release_grazing(history, pressed):
+    """Begin to release pairs that graze, or that are about to open: `pressed`, mm, by no more than those that
     graze may be, and stretched by more. Returns whether there is one."""
     found = False
     for m in range(history.shape[0]):
@@ -112,9 +112,9 @@ def let_go(history, pressed):
 
 
 @part
-def let_go_on(history, pressed):
-    """Have pairs that were let go released further where they just touch again: no more pressed, mm, than
-    those that graze may be."""
+def release_further(history, pressed):
+    """Release pairs further that were released and just touch again: no more pressed, mm, than those that
+    graze may be."""
     for m in range(history.shape[0]):
         row = history[m]
         if row.grazes and row.held > 0.0 and row.gap > -pressed:

@@ -10,8 +10,8 @@ from coilspring.contact.history import (
     grazing,
     has_friction,
     largest_slip,
-    let_go_on,
     opening,
+    release_further,
     set_rise,
     touched_first,
 )
@@ -127,7 +127,7 @@ def accept_release(task, work, path, substep):
     copy(work.ahead, work.tangent)
     if path.time <= path.release.gradual:
         # that they graze leads nowhere from here: how much of it a release leaves, rounding may decide
-        let_go_on(work.history, path.scale.pressed * task.diameter)
+        release_further(work.history, path.scale.pressed * task.diameter)
     path.release.active, path.release.last = opening(work.history), path.release.power
     path.release.power *= 2.0
     path.error /= path.last_step**2  # as of a step of length 1, along a straight line

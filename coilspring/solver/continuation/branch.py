@@ -17,7 +17,7 @@ FRICTION_TURN = 3e-3  # largest turn with friction, a share: a wrong direction s
 SMALL_TURN = 0.05  # turn that is small, wire diameters
 # Where it limits substeps, what is small is a share of all motion since the start, too:
 FRICTION_SHARE = 0.1  # with friction
-STUCK_SHARE = 1e-3  # where pairs stick, which may let go on the way and be closed again at its end
+STUCK_SHARE = 1e-3  # where pairs stick, which may be released on the way and be closed again at its end
 # Where next to nothing is left of the stiffness a jump may begin, and less is small; where the matrix was
 # indefinite on the way, no larger distance continues the branch.
 LEAST_TURN = 1e-4  # turn that is small there at least, wire diameters

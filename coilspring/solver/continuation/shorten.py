@@ -1,9 +1,9 @@
-"""A substep, or release, that failed: it is taken again, shorter, until the path ends or lets go."""
+"""A failed substep, or release, is taken again, shorter, until the path ends or pairs are released."""
 
 import numpy as np
 
 from coilspring.compiling.compiled import part
-from coilspring.contact.history import grazing, let_go
+from coilspring.contact.history import grazing, release_grazing
 from coilspring.solver.continuation.accept import NEAR_END
 from coilspring.solver.continuation.snap import end_or_snap, release_or_jump
 from coilspring.solver.continuation.stability import FINEST, LEAST_STEP, RIGID
@@ -19,7 +19,7 @@ LEAST_GRAZING = 1e-7  # of the time 0..1: in less, a grazing pair moves by no mo
 
 @part
 def shorten(system, task, work, path, substep):
-    """Take what failed again, shorter; what is too short ends the path, unless a pair can let go."""
+    """Take what failed again, shorter; what is too short ends the path, unless a pair can be released."""
     if path.outcome != COMPLETED:
         return
     path.reuse = False
@@ -44,7 +44,7 @@ def shorten(system, task, work, path, substep):
             least = FINEST  # the stiffness may vanish just behind where a pair closed, or as it is predicted
         if substep.duration < least:
             path.bracket = 2.0 * max(substep.duration, LEAST_STEP)
-            if not (rigid and lets_go(system, task, work, path)):
+            if not (rigid and starts_release(system, task, work, path)):
                 # negative pivots however short the step: the stiffness jumps there
                 outcome = CRITICAL if substep.unstable else STUCK
                 outcome = TURNED if abs(path.time - path.friction.turned) <= NEAR_END else outcome
@@ -74,12 +74,12 @@ def go_less(task, work, path, substep):
 
 
 @part
-def lets_go(system, task, work, path):
-    """Have pairs let go that graze, or are about to open, since what they hold leads nowhere; where they do
-    so again at once, by a snap. Returns whether there is one."""
+def starts_release(system, task, work, path):
+    """Begin to release pairs that graze, or are about to open, since what they hold leads nowhere; where they
+    are released again at once, by a snap. Returns whether there is one."""
     grazes = grazing(work.history)
     system.update_pairs(system.reals, system.ints, work.state, work.state, work.state, work.history)
-    if not let_go(work.history, path.scale.pressed * task.diameter):
+    if not release_grazing(work.history, path.scale.pressed * task.diameter):
         return False
     again = path.time <= path.release.gradual
     path.release.gradual, path.next_step, path.until = path.time + LEAST_STEP, FIRST_STEP, np.inf

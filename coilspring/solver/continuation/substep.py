@@ -222,7 +222,8 @@ def keeps_branch(system, task, work, path, substep):
 
 @part
 def turns_too_far(work, substep):
-    """Whether the path turned so far that friction would act in wrong directions, or pairs let go unseen."""
+    """Whether the path turned so far that friction would act in wrong directions, or that a release would be
+    missed."""
     return substep.duration > LEAST_RATED and substep.share > most_turn(work.history)
 
 
