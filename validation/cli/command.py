@@ -109,8 +109,8 @@ def solve(arguments: argparse.Namespace) -> int:
 
             lowest = modes(path, count=count)
             found["frequencies"], found["modes"] = map(list, zip(*lowest, strict=True))
-            told = ", ".join(f"{mode.frequency:.4g} ({mode.kind})" for mode in lowest)
-            lines.append(f"  natural frequencies {told} Hz, both ends held")
+            listed = ", ".join(f"{mode.frequency:.4g} ({mode.kind})" for mode in lowest)
+            lines.append(f"  natural frequencies {listed} Hz, both ends held")
         asked = [name for name in ("frequencies", *output.WIRE_FILES) if getattr(arguments, name)]
         if asked and not len(path.times):
             left = ", ".join(f"--{name.replace('_', '-')}" for name in asked)
@@ -136,20 +136,20 @@ def compare(arguments: argparse.Namespace) -> int:
             claims.enter_context(claimed(each))
         with progress_shown(arguments.quiet) as progress:
             paths = {model: _run(scene, model, arguments, progress) for model in MODEL_OPTIONS}
-            told = paths if curve is None else _told(paths, curve, arguments, progress)
+            compared = paths if curve is None else _to_compare(paths, curve, arguments, progress)
         comparison = compare_paths(paths["equivbeam"], paths["wirefe"])
         found = {
             "scene": scene.name,
             **asdict(comparison),
             **{model: str((folder / model).resolve()) for model in paths},
-            "warnings": [*warnings(scene), *(difference.warnings(told, curve) if curve else [])],
+            "warnings": [*warnings(scene), *(difference.warnings(compared, curve) if curve else [])],
             **{name: getattr(paths[ADAPTIVE], name) for name in ("accuracy", "estimated_error")},
             "outcomes": {model: path.outcome for model, path in paths.items()},
             "notes": [f"{model}: {note}" for model, path in paths.items() for note in notes(path)],
         }
         if curve is not None:
-            found["measured"] = {"file": arguments.measured, **difference.summary(told, curve)}
-        pictures, lines = _pictures(arguments.draw, scene, paths, told, curve)
+            found["measured"] = {"file": arguments.measured, **difference.summary(compared, curve)}
+        pictures, lines = _pictures(arguments.draw, scene, paths, compared, curve)
         lines += [f"written to {folder}"]
         runs = {folder: {"compare.json": json_bytes(found), **pictures}}
         for model, path in paths.items():
@@ -160,7 +160,7 @@ def compare(arguments: argparse.Namespace) -> int:
     said = [line for path in paths.values() for line in digest(path)]
     said += deviation(comparison, paths[ADAPTIVE])
     if curve is not None:
-        said += difference.lines(told, curve)
+        said += difference.lines(compared, curve)
     return _concluded(arguments, found, [*said, *lines], *paths.values())
 
 
@@ -168,7 +168,7 @@ def _pictures(
     draw: bool,
     scene: Scene,
     paths: Mapping[str, EquilibriumPath],
-    told: Mapping[str, EquilibriumPath],
+    compared: Mapping[str, EquilibriumPath],
     curve: Measured | None,
 ) -> tuple[dict[str, bytes], list[str]]:
     """Figures asked for or of a measured curve, and a sentence on what is not drawn."""
@@ -180,7 +180,7 @@ def _pictures(
     if curve is not None or (draw and not undrawn):
         from validation.calibration.figure import load_curves
 
-        files["curve.png"] = load_curves(paths, curve, compared=told)
+        files["curve.png"] = load_curves(paths, curve, compared=compared)
     return files, [f"curve.png is not drawn: {undrawn}"] if undrawn else []
 
 
@@ -231,14 +231,14 @@ def _run(
         raise InputError(f"{arguments.scene}: {error}") from None  # a key of that file
 
 
-def _told(
+def _to_compare(
     paths: Mapping[str, EquilibriumPath],
     curve: Measured,
     arguments: argparse.Namespace,
     progress: Callable[[str], None],
 ) -> dict[str, EquilibriumPath]:
     """The paths to compare with a measured curve: solved once more where the scene's steps do not do."""
-    told = {}
+    compared = {}
     for model, path in paths.items():
         options, scene = given(arguments, MODEL_OPTIONS[model]), difference.scene_for(path.scene, curve)
         if model == ADAPTIVE:  # an accuracy may have chosen the mesh
@@ -246,8 +246,8 @@ def _told(
         if scene != path.scene:
             progress(f"solving with {model} for the measured curve")
             path = partial_path(import_module(model).solve, scene, **options)
-        told[model] = path
-    return told
+        compared[model] = path
+    return compared
 
 
 def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *paths: EquilibriumPath) -> int:

@@ -220,7 +220,7 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
     progress(f"loading {model}")
     progress = announcing(progress, model, scene)
     asked, lines, found = run.Choice.of(model, given(arguments, MODEL_OPTIONS[model])), [], None
-    told: dict[str, object] = {"overridden": given(arguments, COMMON_OPTIONS), **run.UNASKED}
+    about: dict[str, object] = {"overridden": given(arguments, COMMON_OPTIONS), **run.UNASKED}
     points = list(grid.points(table, varied))
     with claimed(folder), writing(folder):
         if accuracy is not None:
@@ -229,10 +229,10 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
             found = choose(points, varied, accuracy, progress)
             points = found.grid
             lines.append(found.line)
-            told |= {"accuracy": accuracy, "estimated_error": found.error, "sampled": found.sampled}
+            about |= {"accuracy": accuracy, "estimated_error": found.error, "sampled": found.sampled}
         solver, kept = found.candidate if found else lambda scene: asked, run.kept_files(folder)
         count = _counted(progress)
-        rows = run.sweep(folder, table, varied, points, solver, workers=workers, progress=count, about=told)
+        rows = run.sweep(folder, table, varied, points, solver, workers=workers, progress=count, about=about)
         choices = [(point.scene, solver(point.scene)) for point in points if point.scene]
         run.write_picture(folder, rows, keys, scene, choices[0][1].model)
         lines += [f"the sweep that was there is kept in {file}" for file in run.kept_files(folder) - kept]

@@ -110,8 +110,8 @@ def digest(path: EquilibriumPath) -> list[str]:
         lines.append(f"  {plain(path.other_seconds)} s CPU more for the choice and the estimate")
     count = counted(path.total_iterations, "iteration")
     ready = f" (and {plain(path.compile_seconds)} s to make the kernels ready)"
-    told = ready if path.compile_seconds >= TOLD else ""
-    return [*lines, f"  {count}, {plain(path.solve_seconds)} s CPU{told}"]
+    compiled = ready if path.compile_seconds >= TOLD else ""
+    return [*lines, f"  {count}, {plain(path.solve_seconds)} s CPU{compiled}"]
 
 
 def notes(path: EquilibriumPath) -> list[str]:

@@ -29,7 +29,7 @@ OPTIONAL = {  # files that a run may have, by the file that every run of its kin
     "calibration.json": ("calibration.png",),  # measured.csv may be the user's
 }
 RESULTS = ("pairs_found",)  # what stands among the options of a path and is none
-TOLD = ("load.steps", "contact.stiffness")  # keys of a scene that a summary has among the options
+AMONG_OPTIONS = ("load.steps", "contact.stiffness")  # keys of a scene that a summary has among the options
 
 
 def path_files(path: EquilibriumPath, found: Mapping[str, object]) -> dict[str, bytes]:
@@ -131,7 +131,7 @@ def _other_keys(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
         for section in SECTIONS
         for key, value in old[section].items()
     }
-    return [f"{key} {was}" for key, (was, now) in keys.items() if was != now and key not in TOLD]
+    return [f"{key} {was}" for key, (was, now) in keys.items() if was != now and key not in AMONG_OPTIONS]
 
 
 def stress_file(path: EquilibriumPath) -> dict[str, bytes]:
