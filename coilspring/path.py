@@ -94,6 +94,8 @@ class EquilibriumPath:
     times : (steps,) times reached, 0 left out.
     states : (steps, n) the model's own state vectors.
     iterations : (steps,) factorisations since the previous row, rejected attempts included.
+    least_gaps : (steps,) least gap of the contact pairs, mm, infinite where there are none; on plates at
+        most 0.
     outcome : one of `OUTCOMES`.
     message : one sentence.
     shape : reads the states, for what the properties below give.
@@ -124,6 +126,7 @@ class EquilibriumPath:
     times: np.ndarray
     states: np.ndarray
     iterations: np.ndarray
+    least_gaps: np.ndarray
     outcome: str
     message: str
     shape: Shape

@@ -55,9 +55,10 @@ def read_fields(file: str | Path | BinaryIO) -> dict[str, Any]:
     if numbers["model"] not in MODELS:
         raise InputError(f"the model of a path must be one of {', '.join(MODELS)}, got {numbers['model']!r}")
     shape = import_module(numbers["model"]).path_shape(scene, numbers["options"], found)
-    histories = arrays.get("histories")
     known = shape.histories(None, arrays["states"])  # of this version's pairs, in its words
-    if histories is not None and (histories.dtype != known.dtype or histories.shape != known.shape):
+    histories = arrays.get("histories", known)  # of traced paths none
+    other_pairs = histories.dtype != known.dtype or histories.shape != known.shape
+    if other_pairs or "least_gaps" not in arrays:
         raise InputError(f"file must be a path saved by this version, got {str(file)!r}: solve it again")
     return {"scene": scene, "shape": shape, **numbers, **arrays}
 

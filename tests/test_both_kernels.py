@@ -28,6 +28,14 @@ def kernels_of(model, scene):
     return BEAM_KERNELS, beam_problem(data, load_vector(data, scene))
 
 
+@pytest.mark.parametrize("scene", [spring_a(), replace(spring_a(), contact=Contact())])
+@pytest.mark.parametrize("solve", [equivbeam.solve, wirefe.solve])
+def test_the_least_gaps_that_a_path_keeps_are_those_of_its_states(solve, scene):
+    path = solve(scene)
+    assert path.least_gaps[0] > 0.0 > path.least_gaps[-1]
+    np.testing.assert_allclose(path.least_gaps, path.gaps.min(axis=1), rtol=0.0, atol=1e-12)
+
+
 @pytest.mark.parametrize("held", [("ux", "rotz"), ()])
 @pytest.mark.parametrize("model", MODELS)
 def test_the_softest_mode_at_rest_is_as_stiff_as_at_rest(model, held):

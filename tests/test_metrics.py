@@ -35,6 +35,7 @@ def path(times, tips):
         times=np.array(times),
         states=np.array(tips, dtype=float).reshape(len(times), 3),
         iterations=np.ones(len(times), dtype=int),
+        least_gaps=np.full(len(times), np.inf),
         outcome="completed",
         message="given",
         shape=Given(),

@@ -310,8 +310,8 @@ def test_a_path_of_another_version_is_refused(tmp_path):
     file, path = tmp_path / "path.npz", equivbeam.solve(spring_a(), steps=1)
     words = [(name, PAIR_HISTORY[name]) for name in PAIR_HISTORY.names if name != "whole"]
     other = np.zeros(path.histories.shape, np.dtype(words, align=True))
-    for histories in (path.histories[:, 1:], other):
-        replace(path, histories=histories).save(file)
+    for changed in ({"histories": path.histories[:, 1:]}, {"histories": other}, {"least_gaps": None}):
+        replace(path, **changed).save(file)
         with pytest.raises(InputError, match=r"must be a path saved by this version, got .*path\.npz"):
             load_path(file)
 

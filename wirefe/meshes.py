@@ -150,9 +150,9 @@ class Trial:
         The last states are looked at first, in which coils are mostly nearest.
         """
         path, near = self.path, CLEAR * self.path.scene.spring.wire_diameter
+        may = path.states[path.least_gaps < near]
         ends = () if path.last_state is None else (path.last_state[None],)
-        rows = (*ends, path.states[-1:], path.states[:-1])
-        return any((path.shape.pair_gaps(states) < near).any() for states in rows)
+        return any((path.shape.pair_gaps(states) < near).any() for states in (*ends, may[-1:], may[:-1]))
 
 
 def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:
@@ -182,7 +182,12 @@ def thinned(path: EquilibriumPath, scene: Scene, finer: int) -> EquilibriumPath:
         np.add.reduceat(path.iterations, range(0, len(path.times), finer)) if len(times) else path.iterations
     )
     histories = None if path.histories is None else path.histories[rows]
-    iterations = sums[: len(times)]
     return replace(
-        path, scene=scene, times=times, states=path.states[rows], histories=histories, iterations=iterations
+        path,
+        scene=scene,
+        times=times,
+        states=path.states[rows],
+        histories=histories,
+        iterations=sums[: len(times)],
+        least_gaps=path.least_gaps[rows],
     )

@@ -80,6 +80,7 @@ def trace(
     options["pairs_found"] = len(problem.history) - known
     outcome, message = _verdict(found)
     message += chord_warning(element, elements_per_turn, scene.material.nu)
+    shape = WireShape(scene, problem.data, mesh)
     path = EquilibriumPath(
         scene=scene,
         model="wirefe",
@@ -87,14 +88,14 @@ def trace(
         times=found.times,
         states=found.states,
         iterations=found.iterations,
-        shape=WireShape(scene, problem.data, mesh),
+        least_gaps=shape.pair_gaps(found.states).min(axis=1, initial=np.inf),
+        shape=shape,
         negative_pivots=found.negative,
         outcome=outcome,
         message=message,
         **cost._asdict(),
     )
-    least_gaps = path.gaps.min(axis=1, initial=np.inf)
-    path = replace(path, message=message + _through(path) + warning(path, least_gaps))
+    path = replace(path, message=message + _through(path) + warning(path))
     if not found.finished:
         raise EquilibriumNotFound(path)
     return path

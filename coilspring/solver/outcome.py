@@ -102,13 +102,13 @@ def undecided(track: Track) -> str:
     )
 
 
-def warning(path: EquilibriumPath, least_gaps: np.ndarray) -> str:
+def warning(path: EquilibriumPath) -> str:
     """What makes some of the rows equilibria of the model rather than of a spring, or nothing."""
     if not len(path.times):
         return ""
     said, d = "", path.scene.spring.wire_diameter
-    row, when = worst(-least_gaps, path.times)
-    if (depth := -least_gaps[row] / d) > VOID_PENETRATION:
+    row, when = worst(-path.least_gaps, path.times)
+    if (depth := -path.least_gaps[row] / d) > VOID_PENETRATION:
         said = f"; but{when} coils penetrate by {depth:.2f} wire diameters: the contact stiffness is too low"
     row, when = worst(lowered := -path.tips[:, 1], path.times)
     if lowered[row] > path.scene.spring.active_height:

@@ -245,6 +245,7 @@ def scene_path(
         states=track.states,
         histories=track.histories,
         iterations=track.iterations,
+        least_gaps=track.least_gaps,
         outcome=run.outcome,
         message=run.message + snaps(track) + undecided(track),
         shape=shape,
@@ -260,7 +261,7 @@ def scene_path(
         solve_seconds=run.solve_seconds,
         compile_seconds=run.compile_seconds,
     )
-    if said := warning(path, track.least_gaps):
+    if said := warning(path):
         path = replace(path, message=path.message + said)
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
