@@ -199,8 +199,9 @@ def test_sections_balance_all_that_acts_on_the_wire_above_them(friction, count):
     ends = np.minimum(points.attached[:, None] + (0, 1), len(at) - 1)
     place = at[ends[:, 0]] + points.parts[:, ROTATION] * np.diff(at[ends])[:, 0]
     arms = state.reshape(-1, 7)[ends, :3]
-    elements, phases = sections_of(shape)
-    force, moment, _ = (each[0] for each in resultants(shape, state, path.histories[-1:], elements, phases))
+    cut = sections_of(shape)
+    elements, phases = cut.element, cut.phases
+    force, moment, _ = (each[0] for each in resultants(shape, state, path.histories[-1:], cut))
     x = shape.centreline(state[0], phases)
     for row, phase in enumerate(phases):
         if elements[row] != elements[row - 1] or elements[row] != elements[(row + 1) % len(elements)]:

@@ -11,11 +11,11 @@ vector fixed to the wire's section at s turns with (1 - s) Ra + s Rb.
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, inlined
+from coilspring.compiling.compiled import arithmetic, inlined, kernel
 from coilspring.scene.spring import Spring
-from wirefe.element.algebra import plus
-from wirefe.element.poses import ROW, four, three
-from wirefe.element.rotations import cross_rows, turned
+from wirefe.element.algebra import applied, plus
+from wirefe.element.poses import ROW, four, three, three_of
+from wirefe.element.rotations import cross_rows, matrix, turned
 from wirefe.mesh import WireMesh
 
 # What a station takes of its two nodes, by columns: the second node's share of the position, of the tangent,
@@ -96,27 +96,37 @@ def turned_rows(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     return v + q[..., :1] * t + cross_rows(q[..., 1:], t)
 
 
-def positions(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray) -> np.ndarray:
-    """Positions of stations, shape (..., stations, 3), from rows (..., nodes, 7)."""
-    return _interpolated(nodes, node, parts, POSITION, ARMS)
+def placed(states: np.ndarray, node: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and tangents of stations in states (n, size), each of shape (n, stations, 3)."""
+    points = np.empty((len(states), len(node), 6))
+    _place_all(np.ascontiguousarray(states), node, parts, points)
+    return points[..., :3], points[..., 3:]
 
 
-def tangents(nodes: np.ndarray, node: np.ndarray, parts: np.ndarray) -> np.ndarray:
-    """Tangents of stations, shape (..., stations, 3), from rows (..., nodes, 7)."""
-    return _interpolated(nodes, node, parts, TANGENT, SLOPES)
+@kernel
+def _place_all(states, node, parts, points):
+    for n in range(len(states)):
+        place(node, parts, states[n], points[n])
 
 
-def _interpolated(
-    nodes: np.ndarray, node: np.ndarray, parts: np.ndarray, share: int, arms: int
-) -> np.ndarray:
-    """The sum of both nodes' shares and of the arms that turn with them."""
-    low = nodes[..., node, :]
-    high = nodes[..., np.minimum(node + 1, nodes.shape[-2] - 1), :]
-    turn = turned_rows(low[..., 3:], parts[:, arms : arms + 3])
-    turn += turned_rows(high[..., 3:], parts[:, arms + 3 : arms + 6])
-    part = parts[:, share, None]
-    own = (1.0 if share == POSITION else 0.0) - part
-    return turn + own * low[..., :3] + part * high[..., :3]
+@arithmetic
+def place(node, parts, state, points):
+    """Fill the positions and tangents of stations, (stations, 6)."""
+    A = B = matrix((1.0, 0.0, 0.0, 0.0))
+    for k, of in enumerate(node):
+        i = ROW * of
+        if k == 0 or of != node[k - 1]:  # many stations have the same two nodes
+            A = matrix(four(state, i + 3))
+            if i + ROW < state.size:
+                B = matrix(four(state, i + ROW + 3))
+        x = plus(applied(A, three_of(parts, k, ARMS)), 1.0 - parts[k, POSITION], three(state, i))
+        t = plus(applied(A, three_of(parts, k, SLOPES)), -parts[k, TANGENT], three(state, i))
+        if parts[k, ROTATION] != 0.0:
+            other = three(state, i + ROW)
+            x = plus(plus(x, 1.0, applied(B, three_of(parts, k, ARMS + 3))), parts[k, POSITION], other)
+            t = plus(plus(t, 1.0, applied(B, three_of(parts, k, SLOPES + 3))), parts[k, TANGENT], other)
+        points[k, 0], points[k, 1], points[k, 2] = x
+        points[k, 3], points[k, 4], points[k, 5] = t
 
 
 def fixed_to_sections(

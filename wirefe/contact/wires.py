@@ -13,10 +13,10 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, inlined
-from wirefe.contact.stations import ARMS, POSITION, ROTATION, SLOPES, TANGENT
-from wirefe.element.algebra import applied, dot, plus
+from wirefe.contact.stations import ROTATION, place
+from wirefe.element.algebra import dot, plus
 from wirefe.element.poses import ROW, four, three, three_of
-from wirefe.element.rotations import conjugate, matrix, turned
+from wirefe.element.rotations import conjugate, turned
 
 ROUNDS = 4  # to find a section's vector: rotations of its two nodes differ little
 
@@ -24,23 +24,8 @@ ROUNDS = 4  # to find a section's vector: rotations of its two nodes differ litt
 @arithmetic
 def placed(contact, state):
     """Positions and tangents of all stations, shape (stations, 6)."""
-    parts, points, of = contact.parts, np.empty((contact.attached.size, 6)), -1
-    A = B = matrix((1.0, 0.0, 0.0, 0.0))
-    for k in range(contact.attached.size):
-        node = contact.attached[k]
-        i = ROW * node
-        if node != of:  # many stations have the same two nodes
-            of, A = node, matrix(four(state, i + 3))
-            if i + ROW < state.size:
-                B = matrix(four(state, i + ROW + 3))
-        x = plus(applied(A, three_of(parts, k, ARMS)), 1.0 - parts[k, POSITION], three(state, i))
-        t = plus(applied(A, three_of(parts, k, SLOPES)), -parts[k, TANGENT], three(state, i))
-        if parts[k, ROTATION] != 0.0:
-            other = three(state, i + ROW)
-            x = plus(plus(x, 1.0, applied(B, three_of(parts, k, ARMS + 3))), parts[k, POSITION], other)
-            t = plus(plus(t, 1.0, applied(B, three_of(parts, k, SLOPES + 3))), parts[k, TANGENT], other)
-        points[k, 0], points[k, 1], points[k, 2] = x
-        points[k, 3], points[k, 4], points[k, 5] = t
+    points = np.empty((contact.attached.size, 6))
+    place(contact.attached, contact.parts, state, points)
     return points
 
 

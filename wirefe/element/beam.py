@@ -70,14 +70,15 @@ def beams(state, arm, triads, e0, K, Q, g, H):
 
 
 @kernel
-def end_forces(state, arm, triads, e0, K, Q, g):
-    """Fill the gradients g (n, 12) of all elements: what acts on their ends; see `beams`."""
+def end_forces(states, arm, triads, e0, K, Q, g):
+    """Fill the gradients g (states, n, 12) of all elements: what acts on their ends; see `beams`."""
     A = np.empty((6, 6))
-    for n in range(len(triads)):
-        M, q, f, th, u = strain(state, n, triads, arm)
-        _, _, v, y = elastic(deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
-        _, N, _, Pm, C, X = forces(q, f, th, u, v, y)
-        _gradient(M, N, C, Pm, X, f[3], g[n])
+    for i in range(len(states)):
+        for n in range(len(triads)):
+            M, q, f, th, u = strain(states[i], n, triads, arm)
+            _, _, v, y = elastic(deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
+            _, N, _, Pm, C, X = forces(q, f, th, u, v, y)
+            _gradient(M, N, C, Pm, X, f[3], g[i, n])
 
 
 @arithmetic

@@ -43,11 +43,12 @@ def contact_between(
     mesh: WireMesh,
     states: np.ndarray,
     histories: np.ndarray,
-    sections: tuple[np.ndarray, np.ndarray],
+    element: np.ndarray,
+    phases: np.ndarray,
 ) -> np.ndarray:
     """What contact within elements adds to forces and to moments about the origin, (states, sections, 6), at
     sections given by their elements and phases."""
-    contact, at, (element, phases) = model.contact, mesh.phases, sections
+    contact, at = model.contact, mesh.phases
     within = np.flatnonzero(contact.parts[:, ROTATION])
     node, share = contact.attached[within], contact.parts[within, ROTATION]
     place = at[node] + share * (at[node + 1] - at[node])

@@ -15,18 +15,17 @@ from wirefe import kernels, seated
 from wirefe.contact.points import ContactArrays
 from wirefe.contact.stations import (
     across_wires,
-    carried_points,
+    carried,
     fixed_to_sections,
     of_wires,
-    positions,
+    placed,
     rows,
-    tangents,
     turned_rows,
 )
-from wirefe.element.poses import ROW, at_rest
+from wirefe.element.poses import at_rest
 from wirefe.mesh import WireMesh
 from wirefe.model import WireModel, matrix_size
-from wirefe.results.stress import stresses
+from wirefe.results.stress import largest_stresses
 
 
 def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
@@ -34,21 +33,19 @@ def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     if not len(contact.pairs):
         return np.zeros((len(states), 0, 3))
     first, second = contact.pairs.T
-    nodes = rows(states)
-    centres = contact_centres(contact, states)
-    w = centres[:, second] - centres[:, first]
     if not of_wires(contact.parts):
-        return w
-    t = tangents(nodes, contact.attached, contact.parts)
+        centres = contact_centres(contact, states)
+        return centres[:, second] - centres[:, first]
+    x, t = placed(states, contact.attached, contact.parts)
+    w = x[:, second] - x[:, first]
     return across_wires(w, t[:, first] + t[:, second], contact.rest_overlap)
 
 
 def contact_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     """Contact points, shape (states, points, 3), in states (states, n), mm."""
-    nodes = rows(states)
     if of_wires(contact.parts):
-        return positions(nodes, contact.attached, contact.parts)
-    own = nodes[:, contact.attached]
+        return placed(states, contact.attached, contact.parts)[0]
+    own = rows(states)[:, contact.attached]
     return own[..., :3] + turned_rows(own[..., 3:], contact.parts)
 
 
@@ -148,7 +145,7 @@ class WireShape(PairReader):
 
     def largest_stresses(self, states: np.ndarray, histories: np.ndarray | None) -> np.ndarray:
         """Largest shear stress of the wire, corrected for its curvature, shape (states,), MPa."""
-        return stresses(self, states, histories).shear_corrected.max(axis=1)
+        return largest_stresses(self, states, histories)
 
     def overlaps(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire runs into itself, shape (states,), mm; below 0 where free."""
@@ -157,5 +154,4 @@ class WireShape(PairReader):
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm."""
-        node, parts = carried_points(self.mesh, phases, self.scene.spring.points(phases))
-        return positions(state.reshape(-1, ROW), node, parts)
+        return placed(state[None], *carried(self.scene.spring, self.mesh, phases))[0][0]

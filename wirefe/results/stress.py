@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol, cast
+from typing import NamedTuple, Protocol, cast
 
 import numpy as np
 
@@ -18,16 +18,8 @@ from coilspring.path import EquilibriumPath, require_step
 from coilspring.scene import Scene
 from coilspring.scene.profile import TWO_PI
 from coilspring.scene.sizing import bending_factor, stress_factor
-from coilspring.scene.spring import BESIDE
-from wirefe.contact.stations import (
-    carried,
-    fixed_to_sections,
-    of_wires,
-    positions,
-    rows,
-    tangents,
-    turned_rows,
-)
+from coilspring.scene.spring import BESIDE, Spring
+from wirefe.contact.stations import carried, fixed_to_sections, of_wires, placed, rows, turned_rows
 from wirefe.element.beam import end_forces
 from wirefe.element.rotations import cross_rows
 from wirefe.mesh import WireMesh
@@ -123,22 +115,34 @@ def stress(path: EquilibriumPath, step: int = -1) -> WireStress:
     return WireStress(**fields)
 
 
+class Sections(NamedTuple):
+    """Where the wire is cut, and what a section takes of the nodes of its element, see
+    `wirefe.contact.stations`."""
+
+    element: np.ndarray  # (sections,)
+    phases: np.ndarray  # (sections,)
+    node: np.ndarray  # (sections,)
+    parts: np.ndarray  # (sections, 15)
+    inward: np.ndarray  # (sections, 3) towards the middle of the coil at rest, of any length
+
+
 def stresses(wire: Wire, states: np.ndarray, histories: np.ndarray | None) -> WireStress:
     """Stresses along the wire in several states (states, n), found with contact histories (None: of no pair);
     what is found is (states, sections)."""
-    spring, (element, phases) = wire.scene.spring, sections_of(wire)
-    force, moment, frame = resultants(wire, states, histories, element, phases)
+    spring, cut = wire.scene.spring, sections_of(wire)
+    force, moment, t = resultants(wire, states, histories, cut)
+    frame = axes(states, cut, t)
     along, across = (np.einsum("snij,snj->sni", frame, vector) for vector in (force, moment))
     d = spring.wire_diameter
-    index = 2.0 * spring.radius(phases) / d
+    index = 2.0 * spring.radius(cut.phases) / d
     unit = 16.0 / (math.pi * d**3)
     torsion, bending_in = across[..., 0], across[..., 2]
     bending = np.hypot(across[..., 1], bending_in)
-    shear = unit * stress_factor(index) * np.abs(torsion)
+    shear = shear_corrected(spring, cut.phases, torsion)
     bent = 2.0 * unit * np.hypot(across[..., 1], bending_factor(index) * bending_in)
     normal = bent + np.abs(along[..., 0]) * 4.0 / (math.pi * d**2)
     return WireStress(
-        turns=phases / TWO_PI,
+        turns=cut.phases / TWO_PI,
         axial_force=along[..., 0],
         shear_force=np.hypot(along[..., 1], along[..., 2]),
         torsion=torsion,
@@ -152,35 +156,44 @@ def stresses(wire: Wire, states: np.ndarray, histories: np.ndarray | None) -> Wi
     )
 
 
-def sections_of(wire: Wire) -> tuple[np.ndarray, np.ndarray]:
-    """Elements and phases at which the wire is cut, evenly in each element from end to end: so at the wire's
-    ends, where moments are often largest, and on both sides of nodes, where forces of contact act."""
-    at = wire.mesh.phases
+def largest_stresses(wire: Wire, states: np.ndarray, histories: np.ndarray | None) -> np.ndarray:
+    """The largest `shear_corrected` of several states, (states,), MPa: torsion alone is found for it."""
+    cut = sections_of(wire)
+    _, moment, t = resultants(wire, states, histories, cut)
+    return shear_corrected(wire.scene.spring, cut.phases, (moment * t).sum(axis=-1)).max(axis=1)
+
+
+def shear_corrected(spring: Spring, phases: np.ndarray, torsion: np.ndarray) -> np.ndarray:
+    """16 |T| / (pi d^3) with Bergstraesser's factor, of torsions (states, sections) at phases, MPa."""
+    d = spring.wire_diameter
+    factor = stress_factor(2.0 * spring.radius(phases) / d)
+    return 16.0 / (math.pi * d**3) * factor * np.abs(torsion)
+
+
+def sections_of(wire: Wire) -> Sections:
+    """Sections of the wire, evenly in each element from end to end: so at the wire's ends, where moments are
+    often largest, and on both sides of nodes, where forces of contact act."""
+    at, spring = wire.mesh.phases, wire.scene.spring
     steps = np.diff(at)
     real = np.flatnonzero(steps > 0.0)  # the hold of a tip on a plate has no length
     each = max(math.ceil(PER_TURN * steps[0] / TWO_PI - 1e-9), 1)
     phases = np.linspace(at[real], at[real + 1], each + 1, axis=1)
-    return np.repeat(real, each + 1), phases.ravel()
+    # at nodes the tangent at rest may be a mean with that of the end turn, or of the next section
+    inside = np.clip(phases, at[real, None] + INSIDE, at[real + 1, None] - INSIDE).ravel()
+    carriers = carried(spring, wire.mesh, inside)
+    return Sections(np.repeat(real, each + 1), phases.ravel(), *carriers, spring.inward(inside))
 
 
 def resultants(
-    wire: Wire,
-    states: np.ndarray,
-    histories: np.ndarray | None,
-    element: np.ndarray,
-    phases: np.ndarray,
+    wire: Wire, states: np.ndarray, histories: np.ndarray | None, cut: Sections
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Forces and moments that the wire above exerts on sections, (states, sections, 3), and the sections'
-    axes as rows: tangent, towards the middle of the coil, and across both, (states, sections, 3, 3)."""
-    data, spring, nodes = wire.data.elements, wire.scene.spring, rows(states)
+    """Forces and moments that the wire above exerts on sections, and unit tangents, (states, sections, 3)."""
+    data, nodes, element = wire.data.elements, rows(states), cut.element
     ends = np.empty((len(states), len(data.triads), 12))
-    for state, row in zip(states, ends, strict=True):
-        end_forces(state, data.arm, data.triads, data.strain0, data.stiffness, data.second, row)
-    low, high = (wire.mesh.phases[element + side] for side in (0, 1))
-    # at nodes the tangent at rest may be a mean with that of the end turn, or of the next section
-    phases = np.clip(phases, low + INSIDE, high - INSIDE)
-    node, parts = carried(spring, wire.mesh, phases)
-    x = positions(nodes, node, parts)
+    end_forces(
+        np.ascontiguousarray(states), data.arm, data.triads, data.strain0, data.stiffness, data.second, ends
+    )
+    x, t = placed(states, cut.node, cut.parts)
     above = nodes[:, 1:, :3].copy()  # the elements' second ends
     above[:, -1] += turned_rows(nodes[:, -1, 3:], data.arm)
     force = ends[:, element, 6:9]
@@ -189,12 +202,15 @@ def resultants(
         own = wire.histories(histories, states)
         touch = (own["closed"] | (wire.pair_gaps(states) < 0.0)).any(axis=1)
         if touch.any():
-            more = contact_between(wire.data, wire.mesh, states[touch], own[touch], (element, phases))
+            more = contact_between(wire.data, wire.mesh, states[touch], own[touch], cut.element, cut.phases)
             force[touch] += more[..., :3]
             moment[touch] += more[..., 3:] - cross_rows(x[touch], more[..., :3])
-    t = tangents(nodes, node, parts)
-    t /= np.linalg.norm(t, axis=-1, keepdims=True)
-    inward = fixed_to_sections(nodes, node, parts, spring.inward(phases))
-    b = cross_rows(t, inward)
+    return force, moment, t / np.linalg.norm(t, axis=-1, keepdims=True)
+
+
+def axes(states: np.ndarray, cut: Sections, t: np.ndarray) -> np.ndarray:
+    """The sections' axes as rows: tangent, towards the middle of the coil, and across both, (states,
+    sections, 3, 3)."""
+    b = cross_rows(t, fixed_to_sections(rows(states), cut.node, cut.parts, cut.inward))
     b /= np.linalg.norm(b, axis=-1, keepdims=True)
-    return force, moment, np.stack((t, cross_rows(b, t), b), axis=-2)
+    return np.stack((t, cross_rows(b, t), b), axis=-2)
