@@ -10,6 +10,8 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.scene.spring import Spring
 
+ROUNDING = 1e-9  # of a half turn: a phase is known no better
+
 
 class HalfCoils(NamedTuple):
     """Phases of the nodes, from 0 to the last active point, and what is between them."""
@@ -28,6 +30,15 @@ def half_coil_count(spring: Spring) -> int:
             f"got {spring.active_coils!r}"
         )
     return count
+
+
+def nearest_crossing(spring: Spring) -> int:
+    """Number k of the phase k pi about the axis, in the working plane, nearest to the first active point.
+
+    Half way between two of them it is the lower one. There the last digit of the phase would decide for the
+    sign of its cosine: -90 and 270 degrees, which are one spring, would have circles on different sides.
+    """
+    return math.ceil(spring.start_phase / math.pi - 0.5 - ROUNDING)
 
 
 def wire_lengths(spring: Spring) -> np.ndarray:

@@ -14,7 +14,7 @@ from coilspring.scene import HELD_CHOICES, Scene
 from coilspring.solver.problem import Problem
 from coilspring.solver.stages import Top
 from equivbeam.band import ROW
-from equivbeam.halfcoils import half_coil_count
+from equivbeam.halfcoils import half_coil_count, nearest_crossing
 from equivbeam.laws import LAWS, USER, law_rows
 from equivbeam.laws.haringx import L0
 from equivbeam.laws.helix import Refinements
@@ -90,7 +90,7 @@ def _circles(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
     ends = math.floor(2 * spring.end_turns + 1e-9)
     half = np.arange(-ends, count + ends + 1)
     phases = half * math.pi
-    first = 1.0 if math.cos(spring.start_phase) >= 0.0 else -1.0
+    first = 1.0 if nearest_crossing(spring) % 2 == 0 else -1.0
     attached = np.clip(half, 0, count)
     side = np.where(half % 2 == 0, first, -first)
     rise = spring.height(phases) - spring.height(attached * math.pi)

@@ -9,7 +9,7 @@ import numpy as np
 from coilspring.scene import Scene
 from coilspring.scene.sizing import solid_height
 from coilspring.solver.outcome import worst
-from equivbeam.halfcoils import half_coils, wire_lengths
+from equivbeam.halfcoils import half_coils, nearest_crossing, wire_lengths
 from equivbeam.laws import name_of
 from equivbeam.laws.helix import HIGH, LOW
 from equivbeam.laws.userlaw import UserLaw
@@ -57,7 +57,7 @@ def _beside(shape: BeamShape, states: np.ndarray, times: np.ndarray) -> str:
     """Where circles, which stand at the nodes, are not where a wire that begins beside the working plane
     crosses it: by how much the gap of a pair is wrong, in the state with the least one and in the lowest."""
     spring, (first, _) = shape.scene.spring, shape.data.pairs.T
-    off = spring.start_phase - math.pi * round(spring.start_phase / math.pi)
+    off = spring.start_phase - math.pi * nearest_crossing(spring)
     if not len(first) or abs(off) <= IN_PLANE:
         return ""
     phases = spring.circle_phases()

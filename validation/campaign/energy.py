@@ -195,7 +195,9 @@ def circles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:
     bottom, top = spring.mean_diameter
     index = np.arange(-ends, count + ends + 1)
     node = np.clip(index, 0, count)
-    side = np.where(index % 2 == 0, 1.0, -1.0) * (1.0 if math.cos(spring.start_phase) >= 0.0 else -1.0)
+    # of a wire that begins half way between both sides, the one at a smaller phase
+    begin = math.floor(0.5 - spring.start_phase / math.pi + 1e-9)
+    side = np.where((index + begin) % 2 == 0, 1.0, -1.0)
     radius = 0.5 * (bottom + (top - bottom) * node / count)
     # circles of the end turns lie half a wire diameter apart in height
     return node, np.stack((side * radius, 0.5 * spring.wire_diameter * (index - node)), axis=-1)
