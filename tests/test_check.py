@@ -4,6 +4,7 @@ import json
 import math
 import re
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -218,6 +219,22 @@ def test_flat_coils_of_a_cone_nest():
     assert least_gap(cone) == pytest.approx(math.hypot(2.0, 4.0) - 1.0)
     steep = replace(cone, mean_diameter=(14.0, 10.0))  # 0.4 mm
     assert sizes(scene_of(steep)).travel == pytest.approx(20.0 - 5.0 * math.sqrt(1.0 - 0.16))
+
+
+@pytest.mark.parametrize("coils", [0.02, 0.25])
+def test_coils_do_not_pass_inside_one_another_where_a_short_section_widens_them_a_little(coils):
+    """By 0.5 mm all round, of a wire of 3 mm, though that is up to 25 mm per turn of this section."""
+    cylinders = CoilSection(3.0, 4.5, 20.0), CoilSection(3.0, 4.5, 21.0)
+    sections = cylinders[0], CoilSection(coils, 4.5, (20.0, 21.0)), cylinders[1]
+    scene = scene_of(Spring.of_sections(3.0, sections), force=1500.0)
+    found, steel = sizes(scene), 206e3 / 2.6 / 8.0 * 3.0**4
+    assert not any("inside one another" in warning for warning in report(scene)[1])
+    assert found.closing[1] == pytest.approx(steel * (4.5 - math.sqrt(8.75)) / 20.0**3)
+    assert found.travel == pytest.approx(9.0 + coils * (4.5 - math.sqrt(8.75)))
+    # many short sections that make a cone are that cone
+    ends = np.linspace(30.0, 10.0, 21)
+    cone = [CoilSection(0.25, 4.0, pair) for pair in pairwise(ends)]
+    assert sizes(scene_of(Spring.of_sections(1.0, cone, end_turns=0.0))).solid_length == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("source", SCENES)

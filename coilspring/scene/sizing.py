@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from coilspring.scene.load import Load
-from coilspring.scene.profile import TWO_PI, CoilSection, closest
+from coilspring.scene.profile import TWO_PI, closest
 from coilspring.scene.scene import HELD_CHOICES, Scene
 from coilspring.scene.solidwire import SOLID_POISSON, inner_stress_factor, wire_flexibility
 from coilspring.scene.spring import Spring
@@ -77,8 +77,7 @@ def along(scene: Scene) -> Along:
     spring, d, share = scene.spring, scene.spring.wire_diameter, np.linspace(0.0, 1.0, POINTS)
     ends = np.array([(section.mean_diameter, section.pitch) for section in spring.coils])
     diameter, pitch = np.moveaxis(ends[..., :1] * (1.0 - share) + ends[..., 1:] * share, 1, 0)
-    solid = np.array([_solid_pitch(section, d) for section in spring.coils])[:, None]
-    gap = np.maximum(pitch - solid, 0.0)
+    gap = np.maximum(pitch - _solid_pitches(spring)[:, None], 0.0)
     closing = scene.material.G * d**4 / 8.0 * gap / diameter**3
     knots = spring.profile.knots / TWO_PI
     turns = knots[:-1, None] + np.diff(knots)[:, None] * share
@@ -141,12 +140,13 @@ def surge_number(coils: Along) -> float:
 
 def solid_height(spring: Spring) -> float:
     """Height of the active part where all its coils touch, mm; coils of different diameter nest."""
-    return sum(_solid_pitch(section, spring.wire_diameter) * section.coils for section in spring.coils)
+    pitches = _solid_pitches(spring).tolist()
+    return sum(pitch * section.coils for pitch, section in zip(pitches, spring.coils, strict=True))
 
 
 def nests(spring: Spring) -> bool:
     """Whether coils of a section do not touch as they are compressed, but pass inside one another."""
-    return any(_solid_pitch(section, spring.wire_diameter) == 0.0 for section in spring.coils)
+    return bool((_solid_pitches(spring) == 0.0).any())
 
 
 def axial_rate(scene: Scene) -> float:
@@ -271,7 +271,15 @@ def buckling_shortening(scene: Scene) -> float | None:
     return 0.5 * spring.active_height * square / (1.0 + math.sqrt(under)) if under >= 0.0 else None
 
 
-def _solid_pitch(section: CoilSection, wire_diameter: float) -> float:
-    """Pitch of a section's coils where they touch, mm."""
-    bottom, top = section.mean_diameter
-    return closest(wire_diameter, abs(top - bottom) / 2.0 / section.coils)
+def _solid_pitches(spring: Spring) -> np.ndarray:
+    """Pitch of each section's coils where they touch, mm.
+
+    Neighbours are a turn apart: in a section shorter than that, the radius changes from coil to coil as it
+    does over the turn about the section's middle.
+    """
+    knots, coils = spring.profile.knots, np.array([section.coils for section in spring.coils])
+    turns = np.clip(coils, min(1.0, spring.active_coils), None)
+    half = 0.5 * TWO_PI * turns
+    middle = np.clip(0.5 * (knots[1:] + knots[:-1]), half, knots[-1] - half)
+    steps = np.abs(spring.radius(middle + half) - spring.radius(middle - half)) / turns
+    return np.array([closest(spring.wire_diameter, step) for step in steps.tolist()])
