@@ -14,15 +14,13 @@ from coilspring.scene import Load, Scene, require_scene
 from coilspring.scene.sizing import axial_rate
 from coilspring.solver.solve import Run, follow_problem
 from coilspring.solver.stages import prescribed_stage
-from equivbeam import kernels
 from equivbeam.laws import law_of
 from equivbeam.laws.haringx import KAX, KFL, KSH, L0
 from equivbeam.laws.helix import Refinements
 from equivbeam.laws.userlaw import UserLaw
 from equivbeam.model import BeamModel, beam_problem, build_model, load_vector
 from equivbeam.options import BeamOptions
-from equivbeam.shape import BeamShape
-from equivbeam.solve import law_kernels
+from equivbeam.solve import beam_shape, law_kernels
 
 FARTHEST = 0.9  # of the height at rest: shortening up to which buckling is searched
 MOST = 1e3  # heights by which it may be drawn
@@ -72,7 +70,7 @@ def buckling(
     mode = np.concatenate((np.zeros(3), run.mode)).reshape(-1, 3)
     last, histories = run.track.last[None], run.track.history[None]
     return Buckling(
-        force=float(_shape(straight, data, law).reactions(last, histories)[0, 1]),
+        force=float(beam_shape(straight, data, law).reactions(last, histories)[0, 1]),
         shortening=scene.spring.active_height - float(run.track.last[-2]),
         mode=mode / mode.flat[np.abs(mode).argmax()],
     )
@@ -97,7 +95,7 @@ def lateral_stiffness(
     straight, data, run = _compressed(scene, law, refine, inclined, shortening)
     if run.outcome != "completed":
         raise InputError(f"shortening must be below that of buckling, got {shortening!r}")
-    shape = _shape(straight, data, law)
+    shape = beam_shape(straight, data, law)
     return float(shape.rates(run.track.states[-1:], None, np.array([[1.0, 0.0]]))[0])
 
 
@@ -123,11 +121,6 @@ def _compressed(
     problem = replace(problem, load=-stage.growing[1] * problem.load, prescribed=stage.prescribed)
     with_law = law_kernels(law, data.rows.shape[1])
     return straight, data, follow_problem(problem, with_law, np.ones(1), scene.spring.wire_diameter)
-
-
-def _shape(straight: Scene, data: BeamModel, law: str | UserLaw) -> BeamShape:
-    """Reader of the states of the column."""
-    return BeamShape(straight, data, kernels.assemble_of(law, data.rows.shape[1]))
 
 
 def _refined(data: BeamModel, scene: Scene, refine: int, inclined: bool) -> BeamModel:

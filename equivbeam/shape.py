@@ -29,7 +29,12 @@ class BeamShape(PairReader):
 
     scene: Scene
     data: BeamModel
-    assemble: Callable = kernels.assemble
+    assembler: Callable[[], Callable]  # gives `assemble`: compiled code does not go with a pickled path
+
+    @property
+    def assemble(self) -> Callable:
+        """The kernel with the path's law; `InputError` for a law that this process does not know."""
+        return self.assembler()
 
     def _nodes(self, states: np.ndarray) -> np.ndarray:
         """Positions and rotations, shape (states, nodes, 3)."""

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -91,7 +91,7 @@ def solve(
     states, times = run.track.states, output_times(scene)[: len(run.track.states)]
     if run.outcome != "completed":  # which the law may be to blame for
         states, times = np.vstack((states, run.track.last)), np.append(times, run.track.time)
-    shape = BeamShape(scene, data, with_law.assemble)
+    shape = beam_shape(scene, data, options.law)
     run = replace(run, message=run.message + warning(shape, options.law, states, times))
     return scene_path(scene, "equivbeam", options.stored(), run, shape)
 
@@ -117,6 +117,11 @@ def law_kernels(law: str | UserLaw, columns: int) -> Kernels:
     return KERNELS._replace(assemble=kernels.assemble_of(law, columns))
 
 
+def beam_shape(scene: Scene, data: model.BeamModel, law: str | UserLaw) -> BeamShape:
+    """Reader of states that were found with a law."""
+    return BeamShape(scene, data, partial(kernels.assemble_of, law, data.rows.shape[1]))
+
+
 def _checked(options: dict[str, Any]) -> dict[str, Any]:
     """Options of a sweep, good for some scenes; the law is read once: one content for all workers."""
     chosen = BeamOptions(**{item.name: options[item.name] for item in fields(BeamOptions)})
@@ -139,8 +144,8 @@ def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> 
         data = model.build_model(scene, BeamOptions.of({**options, "law": "haringx"}))
         return BeamShape(scene, data, partial(_refuse, error))
     data = model.build_model(scene, chosen)
-    return BeamShape(scene, data, kernels.assemble_of(chosen.law, data.rows.shape[1]))
+    return beam_shape(scene, data, chosen.law)
 
 
-def _refuse(error: InputError, *unused: object) -> None:
+def _refuse(error: InputError) -> NoReturn:
     raise error

@@ -30,8 +30,8 @@ from coilspring.solver.problem import Problem
 from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
 from equivbeam.laws.haringx import KAX, KFL, KSH
-from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
+from equivbeam.solve import beam_shape
 from validation.cli import main
 from validation.sensitivity.changes import (
     CHANGES,
@@ -161,7 +161,7 @@ def test_a_raised_load_on_the_beam():
     data = beam.build_model(taller)
     data.rows[-1, [KAX, KSH, KFL]] *= 1e7
     run = _followed(taller, beam.beam_problem(data, beam.load_vector(data, taller)), BEAM_KERNELS)
-    exact = scene_path(taller, BEAM, {}, run, BeamShape(taller, data)).tips
+    exact = scene_path(taller, BEAM, {}, run, beam_shape(taller, data, "haringx")).tips
     np.testing.assert_allclose(raised(scene, BEAM, lever).tips, exact, rtol=1e-5)
 
 

@@ -218,6 +218,20 @@ def test_sweep_and_pickle(tmp_path):
     assert again is law  # one process has one of each content
 
 
+@pytest.mark.parametrize("law", ["haringx", "helix", str(PAPER)])
+def test_a_path_has_its_rates_in_another_process(tmp_path, law):
+    path = equivbeam.solve(spring_a(), law=law, steps=2)
+    (tmp_path / "path").write_bytes(pickle.dumps(path))
+    code = (
+        "import pickle, sys\n"
+        "path = pickle.load(open(sys.argv[1], 'rb'))\n"
+        "print(repr(path.table['rate'].tolist()))\n"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / "path")]
+    found = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert found == f"{path.table['rate'].tolist()!r}\n"
+
+
 def test_stored_path(tmp_path):
     path = equivbeam.solve(spring_b(), law=PAPER, steps=2)
     path.save(tmp_path / "path.npz")

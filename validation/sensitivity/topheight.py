@@ -16,8 +16,8 @@ from coilspring.curves import Curve
 from coilspring.path import Shape
 from coilspring.solver.solve import follow_problem, output_times, scene_path
 from equivbeam import model as beam
-from equivbeam.shape import BeamShape
 from equivbeam.solve import KERNELS as BEAM_KERNELS
+from equivbeam.solve import beam_shape
 from validation.study.cases import paper_mesh
 from validation.study.partialsolve import partial_path
 from wirefe.results.shape import WireShape
@@ -80,7 +80,7 @@ def _solve(scene: Scene, model: str, moment: float) -> EquilibriumPath:
     if model == "equivbeam":
         data = beam.build_model(scene)
         problem, kernels = beam.beam_problem(data, beam.load_vector(data, scene)), BEAM_KERNELS
-        shape: Shape = BeamShape(scene, data)
+        shape: Shape = beam_shape(scene, data, "haringx")
     else:
         problem, mesh, options = scene_problem(scene, **paper_mesh(scene))
         kernels, shape = WIRE_KERNELS, WireShape(scene, problem.data, mesh)
