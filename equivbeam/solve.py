@@ -11,6 +11,7 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Factors, Scene, require_scene
+from coilspring.scene.scene import require_motion
 from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import MOST_ITERATIONS, Run, follow_load, output_times, scene_path
 from coilspring.sweep import Sweeper
@@ -81,6 +82,7 @@ def solve(
     scene = require_scene(scene).overridden(steps, penalty)
     if factors is not None:
         scene = replace(scene, factors=Factors.of(factors))
+    require_motion(scene)
     data = model.build_model(scene, options)
     exact = tangent == "exact"
     limit = MOST_ITERATIONS if exact else MOST_PAPER_ITERATIONS

@@ -10,7 +10,7 @@ from coilspring.contact.law import PAIR_HISTORY, PairLaw
 from coilspring.errors import EquilibriumNotFound, InputError, require_choice, require_integer
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
-from coilspring.scene.load import stage_ends
+from coilspring.scene.scene import require_motion
 from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem
 from coilspring.solver.solve import follow_load, follow_problem, scene_path
@@ -37,8 +37,6 @@ LENGTHS_OF_A_WIRE = 50.0
 # Wire diameters within which what is no pair becomes one: spheres together with those that touch; stations as
 # they touch, with the nearest one of another coil: chosen earlier, it would depend on the steps.
 SPHERES_REACH, STATIONS_REACH = 1.5, 1.01
-# Of the height, and of E d^2: below, rounding is seen in the answer.
-LEAST_MOTION, LEAST_STRAIN = 3e-10, 2e-13
 CHUNK = 4  # springs of a sweep handed to a worker at a time; to hand one over takes 0.4 ms
 
 KERNELS = Kernels(*(getattr(kernels, name) for name in Kernels._fields))
@@ -207,17 +205,6 @@ def require_mesh(element: str, elements_per_turn: int) -> None:
     """Refuse a mesh that no scene can have."""
     require_choice("element", element, ELEMENTS)
     require_integer("elements_per_turn", elements_per_turn, 4, MOST_ELEMENTS)
-
-
-def require_motion(scene: Scene) -> None:
-    """Refuse a load that moves the wire by hardly more than rounding its points, or strains it so."""
-    load, spring = scene.load, scene.spring
-    key, unit = ("displacement", "mm") if load.displacement else ("force", "N")
-    stiffness = scene.material.E * spring.wire_diameter**2
-    least = LEAST_MOTION * spring.active_height if load.displacement else LEAST_STRAIN * stiffness
-    if (largest := float(np.abs(stage_ends(load)).max())) < least:
-        enough = f"{1.01 * least:.3g} {unit}"  # rounded, too
-        raise InputError(f"load.{key} must be {enough} at least for this spring, got {largest:g}")
 
 
 def rod_problem(rod: Rod) -> Problem:

@@ -19,6 +19,8 @@ from coilspring.words import shown
 HELD_CHOICES: tuple[str, ...] = KEYS["supports"]["top_held"].checks["some"]
 SEATS: tuple[str, ...] = KEYS["supports"]["seat"].checks["choice"]
 PAIRS_OF_STIFFNESS = 4.0  # per turn: the scene's contact stiffness is that of each of them
+# Of the height, and of E d^2: below, rounding is seen in the answer.
+LEAST_MOTION, LEAST_STRAIN = 3e-10, 2e-13
 
 
 @dataclass(frozen=True)
@@ -251,6 +253,17 @@ def load_directions(scene: Scene, times: np.ndarray) -> np.ndarray:
     grows /= np.linalg.norm(grows, axis=1)[:, None]
     stage = np.ceil(np.clip(times, 0.0, 1.0) * len(grows) - 1e-9).astype(int) - 1
     return grows[np.maximum(stage, 0)]
+
+
+def require_motion(scene: Scene) -> None:
+    """Refuse a load that moves a spring by hardly more than rounding its points, or strains it so."""
+    load, spring = scene.load, scene.spring
+    key, unit = ("displacement", "mm") if load.displacement else ("force", "N")
+    stiffness = scene.material.E * spring.wire_diameter**2
+    least = LEAST_MOTION * spring.active_height if load.displacement else LEAST_STRAIN * stiffness
+    if (largest := float(np.abs(stage_ends(load)).max())) < least:
+        enough = f"{1.01 * least:.3g} {unit}"  # rounded, too
+        raise InputError(f"load.{key} must be {enough} at least for this spring, got {largest:g}")
 
 
 def require_scene(value: object) -> Scene:

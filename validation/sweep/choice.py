@@ -11,6 +11,7 @@ import numpy as np
 from coilspring import EquilibriumPath, InputError, Scene
 from coilspring.errors import require_number
 from coilspring.scene import SEATS
+from coilspring.scene.scene import require_motion
 from coilspring.words import counted
 from validation.study.models import LAWS
 from validation.study.partialsolve import partial_path
@@ -18,7 +19,6 @@ from validation.sweep.grid import Point, Varied, require_any
 from validation.sweep.run import Choice
 from wirefe.adaptive import solve_to_either
 from wirefe.meshes import Levels, difference, on_plates
-from wirefe.solve import require_motion
 from wirefe.trials import ACCURACIES, NotReached
 
 LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)

@@ -9,6 +9,7 @@ import numpy as np
 import equivbeam
 from coilspring import InputError, Scene
 from coilspring.scene import SEATS
+from coilspring.scene.scene import require_motion
 from coilspring.scene.sizing import sizes
 from equivbeam.model import build_model
 from equivbeam.validity import taut
@@ -19,7 +20,6 @@ from validation.study.partialsolve import partial_path
 from validation.study.template import template
 from wirefe.mesh import mesh_wire
 from wirefe.results.linear import held_rate
-from wirefe.solve import require_motion
 
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
 LEFT_OUT = "; its friction, or what makes its coils stick, with --sliding scene alone"
@@ -86,6 +86,7 @@ def _drawn(scene: Scene, progress: Progress) -> str:
 def _verdict(model: str, scene: Scene, progress: Progress) -> str:
     """What a model says to a scene, with its usual mesh."""
     try:
+        require_motion(scene)
         if model == "equivbeam":
             build_model(scene)
             sticks = scene.contact.enabled and scene.contact.sliding != "free"
@@ -93,7 +94,6 @@ def _verdict(model: str, scene: Scene, progress: Progress) -> str:
             drawn = f"; {said}" if (said := _drawn(scene, progress)) else ""
             return f"represents it{LEFT_OUT if sticks else ''}{law}{drawn}"
         # the parts that may refuse a scene; its spheres are many where coils are
-        require_motion(scene)
         seat = scene.supports.require_supported("wirefe", SEATS)
         mesh_wire(scene.spring, ELEMENTS_PER_TURN, seat == "plate")
         return "represents it"
