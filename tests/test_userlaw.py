@@ -206,6 +206,12 @@ def test_global_of_an_object_is_part_of_its_content():
     assert digests[0] != digests[1]
 
 
+def test_a_mark_that_an_editor_writes_first_is_no_part_of_a_law(tmp_path):
+    file = tmp_path / PAPER.name
+    file.write_text(PAPER.read_text(), encoding="utf-8-sig")
+    assert law_of(file) == law_of(PAPER)
+
+
 def test_sweep_and_pickle(tmp_path):
     file = tmp_path / "law.py"
     file.write_text(RADIAL.read_text())

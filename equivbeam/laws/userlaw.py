@@ -142,7 +142,7 @@ def law_of_file(file: Path) -> UserLaw:
     if file.suffix != ".py":
         raise InputError(f"law must be a Python file, named *.py, got {shown(str(file))}")
     try:
-        return law_of_text(str(file), file.read_text(encoding="utf-8"))
+        return law_of_text(str(file), file.read_text(encoding="utf-8-sig"))  # some editors write a mark first
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or error  # the text of an OSError names the file again
         raise InputError(
