@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from coilspring import InputError, Load, Spring, spring_a, spring_b
+from coilspring.scene import Factors
 from coilspring.scene.profile import CoilSection
 
 
@@ -109,3 +110,7 @@ def test_loads_may_be_arrays():
     assert Load(stages=stages) == Load(stages=((0.0, -5.0), (0.0, -1.0)))
     assert Load(displacement=np.array([-1.0, -2.0])) == Load(displacement=(-1.0, -2.0))
     assert Load(np.array([1.0, -5.0])) == Load((1.0, -5.0))
+
+
+def test_factors_may_be_an_array():
+    assert Factors.of(np.array([1.0, 0.9, 1.1])) == Factors(1.0, 0.9, 1.1)

@@ -121,8 +121,9 @@ class Factors:
         keep_checked(self, "factors")
 
     @classmethod
-    def of(cls, three: Sequence[float]) -> Self:
+    def of(cls, three: Sequence[float] | np.ndarray) -> Self:
         """Factors of three numbers: axial, shearing, bending."""
+        three = three.tolist() if isinstance(three, np.ndarray) else three
         if not isinstance(three, list | tuple) or len(three) != 3:
             raise InputError(f"factors must be three numbers, got {shown(three)}")
         return cls(*three)
