@@ -50,7 +50,7 @@ def measured(source: Source, scene: Scene, from_rest: bool = True) -> Measured:
     """Force and deflection of a table or a CSV file, in the direction of a scene's load.
 
     Signs are those of the load, whatever the file's: both columns count up where the force is largest. Where
-    the deflection does not count from rest, it may be anything.
+    the deflection does not count from rest, it may begin anywhere.
 
     Raises
     ------
@@ -60,6 +60,7 @@ def measured(source: Source, scene: Scene, from_rest: bool = True) -> Measured:
     with named(table.file):
         found = _along_load(table, direction)
         if not from_rest:
+            _refuse_travel(found.deflection, scene)
             return found
         _refuse_impossible(found.deflection, scene)
         return replace(found, warnings=_warnings(found.deflection, scene))
@@ -125,6 +126,16 @@ def _refuse_impossible(deflection: np.ndarray, scene: Scene) -> None:
         raise InputError(f"deflection must not be negative, got {least:.4g} to {most:.4g} mm: {REST}")
     if scene.direction[1] == -1.0 and most > height:
         raise InputError(f"deflection must be below spring.active_height = {height:g} mm, got {most:.4g} mm")
+
+
+def _refuse_travel(deflection: np.ndarray, scene: Scene) -> None:
+    """Refuse a compression by more than the spring's height, wherever deflection counts from."""
+    least, most, height = deflection.min(), deflection.max(), scene.spring.active_height
+    if scene.direction[1] == -1.0 and most - least > height:
+        raise InputError(
+            f"deflection must grow by less than spring.active_height = {height:g} mm, got {least:.4g} to "
+            f"{most:.4g} mm"
+        )
 
 
 def _warnings(deflection: np.ndarray, scene: Scene) -> tuple[str, ...]:
