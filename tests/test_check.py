@@ -204,6 +204,16 @@ def test_the_stress_says_that_it_leaves_a_sideways_force_out(load, held, said):
     assert not any(" 0 MPa" in line for line in lines)
 
 
+@pytest.mark.parametrize(
+    ("force", "said"), [(-50.0, "13906-1)"), (-65.0, ", of 59.4 N: a coil that has closed carries no more")]
+)
+def test_the_stress_says_which_force_it_is_of(force, said):
+    """Beside a load beyond solid it stood as the stress of that load."""
+    lines, _ = report(scene_of(force=force))
+    (stress,) = (line for line in lines if line.startswith("  stress"))
+    assert stress.endswith(said)
+
+
 def test_a_model_that_leaves_the_scenes_sliding_out_says_so():
     assert any("--sliding scene" in line for line in report(spring_b())[0])
     assert not any("--sliding scene" in line for line in report(spring_a())[0])

@@ -50,6 +50,7 @@ class Sizes:
     pull: float  # largest axial force of the load that pulls, N; 0 where none does
     stress: float  # largest shear stress under both, MPa; coils that have closed give no more
     stressed_at: float  # in turns from the first active point
+    stressed_by: float  # axial force that the coil there carries, N
     stress_factor: float  # of the wire's curvature, in it
     inner_factors: tuple[float, float]  # the same there by Wahl and by three-dimensional elasticity
     # lowest natural frequency of the active wire along the axis, both ends held, without load or contact, Hz
@@ -115,6 +116,7 @@ def sizes(scene: Scene) -> Sizes:
         pull=pull,
         stress=float(stress.max()),
         stressed_at=float(coils.turns[np.argmax(stress)]),
+        stressed_by=float(carried[np.argmax(stress)]),
         stress_factor=float(stress_factor(worst)),
         inner_factors=(wahl_factor(worst), inner_stress_factor(worst)),
         surge=surge_number(coils) / TWO_PI * math.sqrt(rate / mass),
