@@ -336,6 +336,14 @@ def require_step(path: EquilibriumPath, step: object) -> int:
     raise InputError(f"step must be one of the {count} of the path{allowed}, got {shown(step)}")
 
 
+def shape_of(path: object, model: str, user: str) -> Any:
+    """What reads the states of a path of `model`, or raise `InputError`: that is what `user` needs."""
+    found = path.model if isinstance(path, EquilibriumPath) else shown(path)
+    if not isinstance(path, EquilibriumPath) or path.model != model:
+        raise InputError(f"{user} needs a path of the model {model}, got {found}")
+    return path.shape
+
+
 def load_path(file: str | Path | BinaryIO) -> EquilibriumPath:
     """Path that `EquilibriumPath.save` has written; its model is imported.
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from coilspring.errors import InputError
 from coilspring.scene.toml import scene_from_text, scene_text
+from coilspring.words import shown
 
 MODELS = ("equivbeam", "wirefe")  # packages with a function `path_shape`
 READ_AGAIN = ("scene", "shape")  # what is kept as something else
@@ -41,6 +42,8 @@ def read_fields(file: str | Path | BinaryIO) -> dict[str, Any]:
 
     Raises `InputError`: no such file, or one that is no path.
     """
+    if not (isinstance(file, str | Path) or hasattr(file, "read")):
+        raise InputError(f"file must be a path of the disk or a binary stream, got {shown(file)}")
     try:
         stream = io.BytesIO(Path(file).read_bytes() if isinstance(file, str | Path) else file.read())
         if not zipfile.is_zipfile(stream):  # numpy would speak of pickled objects

@@ -10,10 +10,9 @@ import numpy as np
 from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY, normal_law
 from coilspring.errors import InputError, require_choice
-from coilspring.path import EquilibriumPath
+from coilspring.path import EquilibriumPath, shape_of
 from coilspring.scene import Scene
 from coilspring.scene.material import Material
-from coilspring.words import shown
 from equivbeam import band, kernels
 from equivbeam.model import BeamModel, build_model, matrix_size, with_tangent
 from equivbeam.options import BeamOptions
@@ -151,11 +150,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
         with friction.
     """
     names = tuple(parameters)
-    if not isinstance(path, EquilibriumPath):
-        raise InputError(f"path must be an EquilibriumPath of equivbeam.solve, got {shown(path)}")
-    shape = path.shape
-    if not isinstance(shape, BeamShape):
-        raise InputError(f"sensitivities needs a path of the model equivbeam, got {path.model}")
+    shape: BeamShape = shape_of(path, "equivbeam", "sensitivities")
     if shape.data.mu > 0.0 and path.scene.contact.enabled:
         raise InputError("sensitivities needs a path without friction, got sliding = 'scene'")
     if path.scene.load.displacement:

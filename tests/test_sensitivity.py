@@ -159,7 +159,7 @@ BAD = {
     "needs a path without friction": lambda: equivbeam.sensitivities(
         equivbeam.solve(spring_b(), steps=1, sliding="scene"), ["E"]
     ),
-    "needs a path of the model equivbeam": lambda: equivbeam.sensitivities(
+    "sensitivities needs a path of the model equivbeam, got wirefe": lambda: equivbeam.sensitivities(
         wirefe.solve(spring_b(), steps=1, elements_per_turn=4), ["E"]
     ),
     "curve must be a readable CSV file": lambda: equivbeam.calibrate(spring_a(), "no/such.csv", ["E"]),

@@ -11,6 +11,7 @@ import equivbeam
 import wirefe
 from coilspring import Contact, InputError, Material, load_path, load_scene, spring_a, spring_b
 from coilspring.contact.law import PAIR_HISTORY
+from coilspring.curves import compare_paths
 from validation.study import keys, store
 from validation.study.keys import run_key
 from validation.study.partialsolve import partial_path
@@ -287,6 +288,21 @@ def test_no_object_is_ever_unpickled(tmp_path):
     np.savez(file, scene=np.array([{}], dtype=object))
     with pytest.raises(InputError, match=r"must be a saved path, got .*a\.npz.*allow_pickle"):
         load_path(file)
+
+
+NO_PATH = {
+    "stress needs a path of the model wirefe, got None": lambda: wirefe.stress(None),
+    "frequencies needs a path of the model wirefe, got 3": lambda: wirefe.frequencies(3),
+    "sensitivities needs a path of the model equivbeam, got 'E'": lambda: equivbeam.sensitivities("E", ["E"]),
+    "path must be an EquilibriumPath, got None": lambda: compare_paths(None, None),
+    "file must be a path of the disk or a binary stream, got None": lambda: load_path(None),
+}
+
+
+@pytest.mark.parametrize("words", NO_PATH)
+def test_what_is_no_path_is_refused_in_one_sentence(words):
+    with pytest.raises(InputError, match=words):
+        NO_PATH[words]()
 
 
 def test_what_is_no_saved_path_is_refused_in_one_sentence(tmp_path):

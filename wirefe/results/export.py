@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from coilspring.errors import InputError
-from coilspring.path import EquilibriumPath, require_step
+from coilspring.path import EquilibriumPath, require_step, shape_of
 from wirefe.contact.points import ContactArrays
 from wirefe.contact.stations import ARMS, POSITION, SLOPES, of_wires, turned_rows
 from wirefe.element.beam import deformations
@@ -70,9 +69,7 @@ def section_results(path: EquilibriumPath, step: int) -> SectionResults:
     """
     from scipy.spatial.transform import Rotation
 
-    shape = path.shape
-    if not isinstance(shape, WireShape):
-        raise InputError(f"section_results needs a path of the model wirefe, got {path.model}")
+    shape: WireShape = shape_of(path, "wirefe", "section_results")
     state = path.states[require_step(path, step)]
     data, rows = shape.data.elements, state.reshape(-1, ROW)
     points, turns = rows[:, :3].copy(), rows[:, 3:]

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, cast
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from coilspring.errors import InputError, require_choice
-from coilspring.path import EquilibriumPath, require_step
+from coilspring.errors import require_choice
+from coilspring.path import EquilibriumPath, require_step, shape_of
 from coilspring.scene import Scene
 from coilspring.scene.profile import TWO_PI
 from coilspring.scene.sizing import bending_factor, stress_factor
@@ -105,10 +105,8 @@ def stress(path: EquilibriumPath, step: int = -1) -> WireStress:
     ------
     InputError : the path is not of the wire model, or has no such step.
     """
-    if path.model != "wirefe":
-        raise InputError(f"stress needs a path of the model wirefe, got {path.model}")
+    wire: Wire = shape_of(path, "wirefe", "stress")
     step = require_step(path, step)
-    wire = cast("Wire", path.shape)
     histories = None if path.histories is None else path.histories[step][None]
     found = stresses(wire, path.states[step][None], histories)
     fields = {name: value if name == "turns" else value[0] for name, value in vars(found).items()}

@@ -15,8 +15,8 @@ import numpy as np
 
 from coilspring.compiling.packing import pack
 from coilspring.contact.touching import GRAZING
-from coilspring.errors import InputError, require_choice, require_integer
-from coilspring.path import EquilibriumPath, require_step
+from coilspring.errors import require_choice, require_integer
+from coilspring.path import EquilibriumPath, require_step, shape_of
 from wirefe import kernels
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, placed, rows, turned_rows
 from wirefe.model import matrix_size
@@ -90,9 +90,7 @@ def modes(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "
 
 def _about(path: EquilibriumPath, step: int, count: int, top: str) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies (count,) about an equilibrium, and the modes (dofs, count); see `frequencies`."""
-    shape = path.shape
-    if not isinstance(shape, WireShape):
-        raise InputError(f"frequencies needs a path of the model wirefe, got {path.model}")
+    shape: WireShape = shape_of(path, "wirefe", "frequencies")
     state = path.states[require_step(path, step)]
     require_choice("top", top, TOPS)
     fixed = np.zeros(shape.size, dtype=bool)
