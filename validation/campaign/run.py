@@ -28,7 +28,7 @@ from validation.campaign.wire import WireForces
 from validation.campaign.wirejump import verify_jump
 from validation.study.files import prepare
 from validation.study.provenance import write_provenance
-from validation.study.rows import Row, append, interruptible
+from validation.study.rows import Row, append, kept_if_interrupted
 
 CHUNK = {"b": 8, "w": 1}  # cases handed to a worker at a time
 
@@ -66,7 +66,7 @@ def campaign(
     wanted = [(seed, name) for seed in seeds for name in names]
     done = table.kept(file, seeds, version()) & set(wanted)
     missing = [key for key in wanted if key not in done]
-    with interruptible(file, done, len(wanted)):
+    with kept_if_interrupted(file, done, len(wanted)):
         for rows in _results(missing, os.cpu_count() or 1 if workers is None else workers):
             append(rows, file, COLUMNS)
             done |= set(map(table.key_of, rows))

@@ -45,7 +45,7 @@ def append(
 
 
 @contextmanager
-def interruptible(file: Path, done: Sized, of: int) -> Iterator[None]:
+def kept_if_interrupted(file: Path, done: Sized, of: int) -> Iterator[None]:
     """Say of a block that was interrupted how many of its rows are in the file: those `done` by then."""
     try:
         yield

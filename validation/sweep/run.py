@@ -19,7 +19,7 @@ from coilspring.words import counted
 from validation.study.files import content_of, json_bytes, keep, write_bytes
 from validation.study.keys import run_key
 from validation.study.machine import versions
-from validation.study.rows import Row, append, interruptible, whole_rows, write
+from validation.study.rows import Row, append, kept_if_interrupted, whole_rows, write
 from validation.sweep.grid import Point, Varied, number_of, require_any
 
 CHUNK = {"equivbeam": 16, "wirefe": 1}  # springs handed to a worker at a time: lost where it is interrupted
@@ -93,7 +93,7 @@ def sweep(
     progress(done, len(grid))
     chunk = min((CHUNK[choice.model] for _, choice in missing.values()), default=1)
     numbers, jobs = list(missing), iter(missing.values())
-    with interruptible(target, rows, len(grid)):
+    with kept_if_interrupted(target, rows, len(grid)):
         for number, outcome in outcomes_as_they_come(jobs, chunk=chunk, workers=workers, kernels=_kernels):
             i = numbers[number]
             row = _row(columns, keys[i], grid[i], outcome)

@@ -96,21 +96,21 @@ def turned_rows(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     return v + q[..., :1] * t + cross_rows(q[..., 1:], t)
 
 
-def placed(states: np.ndarray, node: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def stations_in(states: np.ndarray, node: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Positions and tangents of stations in states (n, size), each of shape (n, stations, 3)."""
     points = np.empty((len(states), len(node), 6))
-    _place_all(np.ascontiguousarray(states), node, parts, points)
+    _fill_all(np.ascontiguousarray(states), node, parts, points)
     return points[..., :3], points[..., 3:]
 
 
 @kernel
-def _place_all(states, node, parts, points):
+def _fill_all(states, node, parts, points):
     for n in range(len(states)):
-        place(node, parts, states[n], points[n])
+        fill_stations(node, parts, states[n], points[n])
 
 
 @arithmetic
-def place(node, parts, state, points):
+def fill_stations(node, parts, state, points):
     """Fill the positions and tangents of stations, (stations, 6)."""
     A = B = matrix((1.0, 0.0, 0.0, 0.0))
     for k, of in enumerate(node):

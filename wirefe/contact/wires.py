@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, inlined
-from wirefe.contact.stations import ROTATION, place
+from wirefe.contact.stations import ROTATION, fill_stations
 from wirefe.element.algebra import dot, plus
 from wirefe.element.poses import ROW, four, three, three_of
 from wirefe.element.rotations import conjugate, turned
@@ -25,7 +25,7 @@ ROUNDS = 4  # to find a section's vector: rotations of its two nodes differ litt
 def placed(contact, state):
     """Positions and tangents of all stations, shape (stations, 6)."""
     points = np.empty((contact.attached.size, 6))
-    place(contact.attached, contact.parts, state, points)
+    fill_stations(contact.attached, contact.parts, state, points)
     return points
 
 

@@ -18,8 +18,8 @@ from wirefe.contact.stations import (
     carried,
     fixed_to_sections,
     of_wires,
-    placed,
     rows,
+    stations_in,
     turned_rows,
 )
 from wirefe.element.poses import at_rest
@@ -36,7 +36,7 @@ def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     if not of_wires(contact.parts):
         centres = contact_centres(contact, states)
         return centres[:, second] - centres[:, first]
-    x, t = placed(states, contact.attached, contact.parts)
+    x, t = stations_in(states, contact.attached, contact.parts)
     w = x[:, second] - x[:, first]
     return across_wires(w, t[:, first] + t[:, second], contact.rest_overlap)
 
@@ -44,7 +44,7 @@ def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
 def contact_centres(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
     """Contact points, shape (states, points, 3), in states (states, n), mm."""
     if of_wires(contact.parts):
-        return placed(states, contact.attached, contact.parts)[0]
+        return stations_in(states, contact.attached, contact.parts)[0]
     own = rows(states)[:, contact.attached]
     return own[..., :3] + turned_rows(own[..., 3:], contact.parts)
 
@@ -154,4 +154,4 @@ class WireShape(PairReader):
 
     def centreline(self, state: np.ndarray, phases: np.ndarray) -> np.ndarray:
         """Wire at the phases given, shape (phases, 3), mm."""
-        return placed(state[None], *carried(self.scene.spring, self.mesh, phases))[0][0]
+        return stations_in(state[None], *carried(self.scene.spring, self.mesh, phases))[0][0]

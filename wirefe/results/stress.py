@@ -19,7 +19,7 @@ from coilspring.scene import Scene
 from coilspring.scene.profile import TWO_PI
 from coilspring.scene.sizing import bending_factor, stress_factor
 from coilspring.scene.spring import BESIDE, Spring
-from wirefe.contact.stations import carried, fixed_to_sections, of_wires, placed, rows, turned_rows
+from wirefe.contact.stations import carried, fixed_to_sections, of_wires, rows, stations_in, turned_rows
 from wirefe.element.beam import end_forces
 from wirefe.element.rotations import cross_rows
 from wirefe.mesh import WireMesh
@@ -191,7 +191,7 @@ def resultants(
     end_forces(
         np.ascontiguousarray(states), data.arm, data.triads, data.strain0, data.stiffness, data.second, ends
     )
-    x, t = placed(states, cut.node, cut.parts)
+    x, t = stations_in(states, cut.node, cut.parts)
     above = nodes[:, 1:, :3].copy()  # the elements' second ends
     above[:, -1] += turned_rows(nodes[:, -1, 3:], data.arm)
     force = ends[:, element, 6:9]

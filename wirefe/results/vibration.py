@@ -18,7 +18,7 @@ from coilspring.contact.touching import GRAZING
 from coilspring.errors import require_choice, require_integer
 from coilspring.path import EquilibriumPath, require_step, shape_of
 from wirefe import kernels
-from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, placed, rows, turned_rows
+from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, rows, stations_in, turned_rows
 from wirefe.model import matrix_size
 from wirefe.results.linear import scattered
 from wirefe.results.shape import WireShape
@@ -215,7 +215,7 @@ def _motions(
         move[:, :, first : first + 3] = share[:, None, None] * np.eye(3)
         move[:, :, first + 3 : first + 6] = np.cross(np.eye(3), arm[:, None]).swapaxes(1, 2)
         spin[:, :, first + 3 : first + 6] = turn[:, None, None] * np.eye(3)
-    t = placed(nodes.reshape(1, -1), node, parts)[1][0]
+    t = stations_in(nodes.reshape(1, -1), node, parts)[1][0]
     return move, spin, t / np.linalg.norm(t, axis=-1, keepdims=True)
 
 
