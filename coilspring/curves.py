@@ -138,4 +138,4 @@ def moved(answers: np.ndarray) -> np.ndarray:
     One that is not a number counts as moving: a deviation from it is then no number either, and not left out.
     """
     peaks = np.abs(answers).max(axis=0, initial=0.0)
-    return ~(peaks <= NEGLIGIBLE * peaks.max())
+    return ~(peaks <= NEGLIGIBLE * np.nanmax(peaks, initial=0.0))

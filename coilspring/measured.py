@@ -133,7 +133,7 @@ def _refuse_travel(deflection: np.ndarray, scene: Scene) -> None:
     least, most, height = deflection.min(), deflection.max(), scene.spring.active_height
     if scene.direction[1] == -1.0 and most - least > height:
         raise InputError(
-            f"deflection must grow by less than spring.active_height = {height:g} mm, got {least:.4g} to "
+            f"deflection must grow by at most spring.active_height = {height:g} mm, got {least:.4g} to "
             f"{most:.4g} mm"
         )
 

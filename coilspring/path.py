@@ -98,8 +98,8 @@ class EquilibriumPath:
     times : (steps,) times reached, 0 left out.
     states : (steps, n) the model's own state vectors.
     iterations : (steps,) factorisations since the previous row, rejected attempts included.
-    least_gaps : (steps,) least gap of the contact pairs, mm, infinite where there are none; on plates at
-        most 0.
+    least_gaps : (steps,) least gap of the contact pairs known by then, mm, infinite where there are none; at
+        most 0 on plates, and where sticking holds an open pair.
     outcome : one of `OUTCOMES`.
     message : one sentence.
     shape : reads the states, for what the properties below give.
@@ -336,11 +336,11 @@ def require_step(path: EquilibriumPath, step: object) -> int:
     raise InputError(f"step must be one of the {count} of the path{allowed}, got {shown(step)}")
 
 
-def shape_of(path: object, model: str, user: str) -> Any:
-    """What reads the states of a path of `model`, or raise `InputError`: that is what `user` needs."""
+def shape_of(path: object, model: str, needed_by: str) -> Any:
+    """What reads the states of a path of `model`, or raise `InputError`: a function needs such a path."""
     found = path.model if isinstance(path, EquilibriumPath) else shown(path)
     if not isinstance(path, EquilibriumPath) or path.model != model:
-        raise InputError(f"{user} needs a path of the model {model}, got {found}")
+        raise InputError(f"{needed_by} needs a path of the model {model}, got {found}")
     return path.shape
 
 

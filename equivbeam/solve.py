@@ -1,6 +1,6 @@
 """Solve a scene, or many, with the equivalent beam."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import fields, replace
 from functools import partial
@@ -16,7 +16,7 @@ from coilspring.solver.interface import Kernels
 from coilspring.solver.solve import MOST_ITERATIONS, Run, follow_load, output_times, scene_path
 from coilspring.sweep import Sweeper
 from equivbeam import kernels, model
-from equivbeam.laws import require_factors
+from equivbeam.laws import law_of, require_factors
 from equivbeam.laws.helix import Refinements
 from equivbeam.laws.lawchecks import not_finite
 from equivbeam.laws.userlaw import UserLaw
@@ -120,8 +120,15 @@ def law_kernels(law: str | UserLaw, columns: int) -> Kernels:
 
 
 def beam_shape(scene: Scene, data: model.BeamModel, law: str | UserLaw) -> BeamShape:
-    """Reader of states that were found with a law."""
-    return BeamShape(scene, data, partial(kernels.assemble_of, law, data.rows.shape[1]))
+    """Reader of states that were found with a law; pickled with its file, or as what paths keep of an object,
+    whose functions may go nowhere else."""
+    kept = str(law) if isinstance(law, UserLaw) and law.source is None else law
+    return BeamShape(scene, data, partial(_assemble_of, kept, data.rows.shape[1]))
+
+
+def _assemble_of(law: str | UserLaw, columns: int) -> Callable:
+    """See `equivbeam.kernels.assemble_of`; `InputError` for a law that this process does not know."""
+    return kernels.assemble_of(law_of(law), columns)
 
 
 def _checked(options: dict[str, Any]) -> dict[str, Any]:

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import equivbeam
-from coilspring import EquilibriumNotFound, InputError, load_path, spring_a, spring_b
+from coilspring import EquilibriumNotFound, InputError, Load, load_path, spring_a, spring_b
 from coilspring.compiling.kernelcache import folder
 from equivbeam import element
 from equivbeam.laws import law_of
@@ -236,6 +236,20 @@ def test_a_path_has_its_rates_in_another_process(tmp_path, law):
     command = [sys.executable, "-c", code, str(tmp_path / "path")]
     found = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     assert found == f"{path.table['rate'].tolist()!r}\n"
+
+
+def test_a_path_by_functions_that_go_nowhere_else_can_be_pickled(tmp_path):
+    """Its states do not need them; where the law is not known, rates are differences from row to row."""
+
+    def parameters(coil):
+        return 100.0, 20.0, 400.0, coil.length
+
+    def energy(l, v, dtheta, p):  # noqa: E741
+        return (p[0] * (l - p[3]) ** 2 + p[1] * v**2 + p[2] * dtheta**2) / 2
+
+    scene = replace(spring_a(), load=Load((0.0, -1.0), steps=2))
+    path = equivbeam.solve(scene, law=SimpleNamespace(parameters=parameters, energy=energy))
+    assert pickle.loads(pickle.dumps(path)).rates.tolist() == path.rates.tolist()
 
 
 def test_stored_path(tmp_path):

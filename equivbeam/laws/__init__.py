@@ -30,8 +30,8 @@ def law_of(given: Any) -> str | UserLaw:
         return law_of_file(Path(given))
     if not isinstance(given, str) and (hasattr(given, "energy") or hasattr(given, "parameters")):
         return law_of_object(given)
-    if isinstance(given, str) and ".py@" in given:
-        raise InputError(f"law {given} must be loaded first, by a solve with the file that has this content")
+    if isinstance(given, str) and "@" in given:
+        raise InputError(f"law {given} must be loaded first, by a solve with the law that has this content")
     raise InputError(f"law must be one of {', '.join(LAWS)}, or a Python file, got {shown(given)}")
 
 

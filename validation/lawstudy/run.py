@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 import equivbeam
-from coilspring import spring_a
+from coilspring import InputError, spring_a
 from coilspring.workers import processes
 from equivbeam.laws import law_of
 from equivbeam.laws.userlaw import UserLaw
@@ -48,6 +48,8 @@ def study_law(
     What is solved is kept in the store under the content of the file: a study that was interrupted goes on.
     `quick`: fewer springs and scenes, about a minute.
     """
+    if law.source is None:
+        raise InputError(f"law {law.name} must come from a file: its content is part of every key")
     prepare(out)
     store = Store(default_folder())
     extent, count = QUICK if quick else (springs.Extent(), SAMPLED)
@@ -68,7 +70,6 @@ def study_law(
     data["springs"] = springs.frame(parts["springs"])
     files, summary = page.files(law, data)
     write_files({FILE: to_csv(table(data), digits=5)} | files, out)
-    assert law.source is not None
     file = Path(law.source[0])
     name = file.name if file.is_absolute() else file.as_posix()
     write_provenance(f"coilcheck study-law {name}{' --quick' if quick else ''}", out, law=str(law))
