@@ -20,9 +20,8 @@ from wirefe.contact.stations import (
     carried,
     of_wires,
     on_one_node,
-    stations_in,
+    rest_tangents,
 )
-from wirefe.element.poses import at_rest
 from wirefe.mesh import WireMesh
 
 FEW = 200  # contact points, all pairs of which are looked at; of more, those that a tree finds near
@@ -135,7 +134,7 @@ def contact_points(
         return contact._replace(pairs=pairs[:0], rest_overlap=np.zeros(0), weights=np.zeros(0))
     if spheres:
         return contact
-    t = stations_in(at_rest(mesh.nodes).reshape(1, -1), attached, parts)[1][0]
+    t = rest_tangents(mesh, attached, parts)
     low, high = pairs.T
     gap = across_wires(points[high] - points[low], t[low] + t[high], contact.rest_overlap)
     return contact._replace(rest_overlap=np.maximum(d - np.linalg.norm(gap, axis=1), 0.0))

@@ -96,6 +96,14 @@ def turned_rows(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     return v + q[..., :1] * t + cross_rows(q[..., 1:], t)
 
 
+def rest_tangents(mesh: WireMesh, node: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Tangents of stations at rest, where nothing is turned, (stations, 3)."""
+    nodes, share = mesh.nodes, parts[:, TANGENT, None]
+    upper = np.minimum(node + 1, len(nodes) - 1)
+    arms = parts[:, SLOPES : SLOPES + 3] + parts[:, SLOPES + 3 :]
+    return arms - share * nodes[node] + share * nodes[upper]
+
+
 def stations_in(states: np.ndarray, node: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Positions and tangents of stations in states (n, size), each of shape (n, stations, 3)."""
     points = np.empty((len(states), len(node), 6))
