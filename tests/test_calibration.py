@@ -294,7 +294,7 @@ def test_a_spring_cannot_be_compressed_by_more_than_its_height_wherever_deflecti
     curve = {"force": [1.0, 2.0, 3.0], "deflection": [990.0, 1000.0, 1018.0]}
     assert measured(curve, GUIDED, from_rest=False).deflection[0] == 990.0
     curve["deflection"][0] = 970.0
-    with pytest.raises(InputError, match=r"deflection must grow by less than .* = 40 mm, got 970 to 1018 mm"):
+    with pytest.raises(InputError, match=r"deflection must grow by at most .* = 40 mm, got 970 to 1018 mm"):
         measured(curve, GUIDED, from_rest=False)
 
 
