@@ -31,7 +31,7 @@ class Friction:
     """What happens across the normals of the contact pairs.
 
     The force is that of the law, along the slip. In contact of wires a share z / h of it, see (W9g) in
-    ``docs/theory.md``, acts besides, in a few springs 0.02 to 0.8 %: section forces have it, this has not.
+    ``docs/theory.md``, acts besides: section forces have it, this has not.
     """
 
     force: np.ndarray  # (states, pairs, 3) tangential, on the lower body of each pair, N

@@ -106,7 +106,9 @@ def test_the_table_of_models_says_what_is_recorded():
         cells = [f"`{model}`", span(100 * found["curve_max"]), *random, span(1000 * found["seconds"])]
         row = "| " + " | ".join(cells).replace("|  |  |", "| | |") + " |"
         assert row in README, f"the README's table lacks {row}"
+    beams = pd.concat(runs.query(MODELS[model][0]) for model in MODELS if model.startswith("equivbeam"))
     counts = " ".join(README.split())
+    assert f"A load curve of 50 steps takes {span(1000 * beams['seconds'])} ms (six springs" in counts
     assert "{} springs without contact and {} on which more than three".format(*map(len, classes)) in counts
     touching = int(springs["contact"].sum())
     assert f"The other {touching - len(classes[1])} of {touching} with contact close fewer." in counts

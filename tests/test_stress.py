@@ -182,6 +182,26 @@ def test_solve_writes_stresses_where_asked(tmp_path, capsys):
     assert not (tmp_path / "stress.csv").exists()
 
 
+@pytest.mark.parametrize("sliding", ["none", "coulomb"])
+def test_forces_of_pairs_are_those_on_the_stations_but_for_a_share_of_friction(sliding):
+    """The slip's part along the normal, over the gap, of the tangential force: (W9g)."""
+    contact = Contact(
+        stiffness=5e4, sliding=sliding, geometry="wires", friction=0.3 if sliding == "coulomb" else None
+    )
+    spring, load = Spring(2.0, 16.0, 5.0, 18.0, end_turns=0.0), Load((1.0, -170.0), steps=5)
+    path = wirefe.solve(
+        Scene("pressed", spring, load, contact=contact), element="curved", elements_per_turn=8
+    )
+    vectors, tangential = path.shape.pair_vectors(path.states[-1:])[0], path.friction.force[-1]
+    normal = path.contact_forces[-1][:, None] * vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    on_stations = station_loads(path.shape.data, path.states[-1:], path.histories[-1:])[0, ..., :3].sum(
+        axis=1
+    )
+    for sign, side in zip((1.0, -1.0), path.shape.data.contact.pairs.T, strict=True):
+        np.subtract.at(on_stations, side, sign * (tangential - normal))
+    assert 0.0 < np.abs(on_stations).max() < 1e-3 * np.abs(tangential).max()
+
+
 @pytest.mark.parametrize(("friction", "count"), [(None, 4), (0.2, 4), (None, 32)])
 def test_sections_balance_all_that_acts_on_the_wire_above_them(friction, count):
     """Contact within an element acts on its nodes, and the force was the element's all along it: where coils
