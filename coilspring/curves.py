@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coilspring.errors import InputError
-from coilspring.path import EquilibriumPath
+from coilspring.path import EquilibriumPath, require_path
 from coilspring.scene.load import stage_ends
-from coilspring.words import shown
 
 COMPONENTS = ("ux", "uy", "rotz")
 # A component whose reference peak is below this share of the largest one is fixed, or only rounding.
@@ -78,8 +77,7 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     InputError : their loads differ, or how often their wires cross the working plane.
     """
     for name, each in (("path", path), ("reference", reference)):
-        if not isinstance(each, EquilibriumPath):
-            raise InputError(f"{name} must be an EquilibriumPath, got {shown(each)}")
+        require_path(each, f"{name} must be an EquilibriumPath")
     mine, theirs = path.scene.load, reference.scene.load
     prescribed = bool(mine.displacement) != bool(theirs.displacement)
     if prescribed or not np.array_equal(stage_ends(mine), stage_ends(theirs)):

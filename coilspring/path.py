@@ -336,12 +336,20 @@ def require_step(path: EquilibriumPath, step: object) -> int:
     raise InputError(f"step must be one of the {count} of the path{allowed}, got {shown(step)}")
 
 
+def require_path(path: object, needs: str) -> EquilibriumPath:
+    """Return `path`, or raise `InputError`, which says what is needed, unless it is a path."""
+    if not isinstance(path, EquilibriumPath):
+        raise InputError(f"{needs}, got {shown(path)}")
+    return path
+
+
 def shape_of(path: object, model: str, needed_by: str) -> Any:
     """What reads the states of a path of `model`, or raise `InputError`: a function needs such a path."""
-    found = path.model if isinstance(path, EquilibriumPath) else shown(path)
-    if not isinstance(path, EquilibriumPath) or path.model != model:
-        raise InputError(f"{needed_by} needs a path of the model {model}, got {found}")
-    return path.shape
+    needs = f"{needed_by} needs a path of the model {model}"
+    found = require_path(path, needs)
+    if found.model != model:
+        raise InputError(f"{needs}, got {found.model}")
+    return found.shape
 
 
 def load_path(file: str | Path | BinaryIO) -> EquilibriumPath:
