@@ -293,6 +293,7 @@ def test_no_object_is_ever_unpickled(tmp_path):
 NO_PATH = {
     "stress needs a path of the model wirefe, got None": lambda: wirefe.stress(None),
     "frequencies needs a path of the model wirefe, got 3": lambda: wirefe.frequencies(3),
+    "modes needs a path of the model wirefe, got 3": lambda: wirefe.modes(3),
     "sensitivities needs a path of the model equivbeam, got 'E'": lambda: equivbeam.sensitivities("E", ["E"]),
     "path must be an EquilibriumPath, got None": lambda: compare_paths(None, None),
     "file must be a path of the disk or a binary stream, got None": lambda: load_path(None),

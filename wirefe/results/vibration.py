@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -74,7 +74,7 @@ def frequencies(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: s
     ------
     InputError : the path is not of the wire model, or bad input, in one sentence.
     """
-    return _about(path, step, count, top)[0]
+    return _about(shape_of(path, "wirefe", "frequencies"), path, step, count, top)[0]
 
 
 def modes(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "held") -> list[Mode]:
@@ -82,15 +82,16 @@ def modes(path: EquilibriumPath, step: int = -1, *, count: int = 6, top: str = "
 
     Of modes with the same frequency any mixture may be found.
     """
-    found, motions = _about(path, step, count, top)
-    shape = cast("WireShape", path.shape)
+    shape: WireShape = shape_of(path, "wirefe", "modes")
+    found, motions = _about(shape, path, step, count, top)
     kinds = map(_kind, *_coil_motions(shape, path.states[step], motions))
     return [Mode(*each) for each in zip(found.tolist(), kinds, strict=True)]
 
 
-def _about(path: EquilibriumPath, step: int, count: int, top: str) -> tuple[np.ndarray, np.ndarray]:
+def _about(
+    shape: WireShape, path: EquilibriumPath, step: int, count: int, top: str
+) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies (count,) about an equilibrium, and the modes (dofs, count); see `frequencies`."""
-    shape: WireShape = shape_of(path, "wirefe", "frequencies")
     state = path.states[require_step(path, step)]
     require_choice("top", top, TOPS)
     fixed = np.zeros(shape.size, dtype=bool)
