@@ -18,7 +18,7 @@ from coilspring.path import EquilibriumPath, require_step, shape_of
 from coilspring.scene import Scene
 from coilspring.scene.profile import TWO_PI
 from coilspring.scene.sizing import bending_factor, stress_factor
-from coilspring.scene.spring import BESIDE, Spring
+from coilspring.scene.spring import BESIDE
 from wirefe.contact.stations import carried, fixed_to_sections, of_wires, rows, stations_in, turned_rows
 from wirefe.element.beam import end_forces
 from wirefe.element.rotations import cross_rows
@@ -122,6 +122,7 @@ class Sections(NamedTuple):
     node: np.ndarray  # (sections,)
     parts: np.ndarray  # (sections, 15)
     inward: np.ndarray  # (sections, 3) towards the middle of the coil at rest, of any length
+    coil_index: np.ndarray  # (sections,) D/d
 
 
 def stresses(wire: Wire, states: np.ndarray, histories: np.ndarray | None) -> WireStress:
@@ -132,12 +133,11 @@ def stresses(wire: Wire, states: np.ndarray, histories: np.ndarray | None) -> Wi
     frame = axes(states, cut, t)
     along, across = (np.einsum("snij,snj->sni", frame, vector) for vector in (force, moment))
     d = spring.wire_diameter
-    index = 2.0 * spring.radius(cut.phases) / d
-    unit = 16.0 / (math.pi * d**3)
+    unit = unit_stress(d)
     torsion, bending_in = across[..., 0], across[..., 2]
     bending = np.hypot(across[..., 1], bending_in)
-    shear = shear_corrected(spring, cut.phases, torsion)
-    bent = 2.0 * unit * np.hypot(across[..., 1], bending_factor(index) * bending_in)
+    shear = shear_corrected(unit, cut.coil_index, torsion)
+    bent = 2.0 * unit * np.hypot(across[..., 1], bending_factor(cut.coil_index) * bending_in)
     normal = bent + np.abs(along[..., 0]) * 4.0 / (math.pi * d**2)
     return WireStress(
         turns=cut.phases / TWO_PI,
@@ -158,14 +158,18 @@ def largest_stresses(wire: Wire, states: np.ndarray, histories: np.ndarray | Non
     """The largest `shear_corrected` of several states, (states,), MPa: torsion alone is found for it."""
     cut = sections_of(wire)
     _, moment, t = resultants(wire, states, histories, cut)
-    return shear_corrected(wire.scene.spring, cut.phases, (moment * t).sum(axis=-1)).max(axis=1)
+    unit = unit_stress(wire.scene.spring.wire_diameter)
+    return shear_corrected(unit, cut.coil_index, (moment * t).sum(axis=-1)).max(axis=1)
 
 
-def shear_corrected(spring: Spring, phases: np.ndarray, torsion: np.ndarray) -> np.ndarray:
-    """16 |T| / (pi d^3) with Bergstraesser's factor, of torsions (states, sections) at phases, MPa."""
-    d = spring.wire_diameter
-    factor = stress_factor(2.0 * spring.radius(phases) / d)
-    return 16.0 / (math.pi * d**3) * factor * np.abs(torsion)
+def unit_stress(d: float) -> float:
+    """Shear stress of a wire of diameter `d` under a torsion of 1 N mm, MPa."""
+    return 16.0 / (math.pi * d**3)
+
+
+def shear_corrected(unit: float, index: np.ndarray, torsion: np.ndarray) -> np.ndarray:
+    """Shear stress with Bergstraesser's factor, of torsions (states, sections), MPa."""
+    return unit * stress_factor(index) * np.abs(torsion)
 
 
 def sections_of(wire: Wire) -> Sections:
@@ -179,7 +183,9 @@ def sections_of(wire: Wire) -> Sections:
     # at nodes the tangent at rest may be a mean with that of the end turn, or of the next section
     inside = np.clip(phases, at[real, None] + INSIDE, at[real + 1, None] - INSIDE).ravel()
     carriers = carried(spring, wire.mesh, inside)
-    return Sections(np.repeat(real, each + 1), phases.ravel(), *carriers, spring.inward(inside))
+    phases = phases.ravel()
+    index = 2.0 * spring.radius(phases) / spring.wire_diameter
+    return Sections(np.repeat(real, each + 1), phases, *carriers, spring.inward(inside), index)
 
 
 def resultants(
