@@ -59,11 +59,8 @@ def measured(source: Source, scene: Scene, from_rest: bool = True) -> Measured:
     table, direction = read_table(source), scene.direction
     with named(table.file):
         found = _along_load(table, direction)
-        if not from_rest:
-            _refuse_travel(found.deflection, scene)
-            return found
-        _refuse_impossible(found.deflection, scene)
-        return replace(found, warnings=_warnings(found.deflection, scene))
+        _refuse_impossible(found.deflection, scene, from_rest)
+        return replace(found, warnings=_warnings(found.deflection, scene)) if from_rest else found
 
 
 def equal_steps(times: np.ndarray, otherwise: int = MOST_STEPS) -> int:
@@ -119,21 +116,15 @@ def _refuse_thousandths(
         )
 
 
-def _refuse_impossible(deflection: np.ndarray, scene: Scene) -> None:
-    """Refuse deflections that no spring at rest before has."""
+def _refuse_impossible(deflection: np.ndarray, scene: Scene, from_rest: bool) -> None:
+    """Refuse negative deflections from rest, and a compression by more than the spring's height."""
     least, most, height = deflection.min(), deflection.max(), scene.spring.active_height
-    if least < -BACKWARDS * most:
+    if from_rest and least < -BACKWARDS * most:
         raise InputError(f"deflection must not be negative, got {least:.4g} to {most:.4g} mm: {REST}")
-    if scene.direction[1] == -1.0 and most > height:
-        raise InputError(f"deflection must be below spring.active_height = {height:g} mm, got {most:.4g} mm")
-
-
-def _refuse_travel(deflection: np.ndarray, scene: Scene) -> None:
-    """Refuse a compression by more than the spring's height, wherever deflection counts from."""
-    least, most, height = deflection.min(), deflection.max(), scene.spring.active_height
-    if scene.direction[1] == -1.0 and most - least > height:
+    start = 0.0 if from_rest else least
+    if scene.direction[1] == -1.0 and most - start > height:
         raise InputError(
-            f"deflection must grow by at most spring.active_height = {height:g} mm, got {least:.4g} to "
+            f"deflection must grow by at most spring.active_height = {height:g} mm, got {start:.4g} to "
             f"{most:.4g} mm"
         )
 
