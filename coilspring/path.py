@@ -152,10 +152,9 @@ class EquilibriumPath:
     other_seconds: float = 0.0
 
     def __post_init__(self) -> None:
-        steps = len(self.times)
-        if len(self.states) != steps or len(self.iterations) != steps:
-            lengths = f"{steps}, {len(self.states)}, {len(self.iterations)}"
-            raise ValueError(f"times, states and iterations differ in length: {lengths}")
+        lengths = [len(rows) for rows in (self.times, self.states, self.iterations, self.least_gaps)]
+        if len(set(lengths)) > 1:
+            raise ValueError(f"times, states, iterations and least_gaps differ in length: {lengths}")
         if self.outcome not in OUTCOMES:
             raise ValueError(f"outcome must be one of {OUTCOMES}, got {self.outcome!r}")
 

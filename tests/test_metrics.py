@@ -57,6 +57,12 @@ def test_paths_under_two_loads_or_of_two_springs_are_not_compared():
     assert compare_paths(more_steps, REFERENCE).curve_max == 0.0
 
 
+@pytest.mark.parametrize("name", ["times", "states", "iterations", "least_gaps"])
+def test_a_path_has_a_row_for_each_time(name):
+    with pytest.raises(ValueError, match=r"states, iterations and least_gaps differ in length: .*1"):
+        replace(REFERENCE, **{name: getattr(REFERENCE, name)[:1]})
+
+
 def test_a_path_is_itself_alone_and_what_it_keeps_is_not_written():
     assert REFERENCE == REFERENCE
     assert len({REFERENCE, copy.deepcopy(REFERENCE)}) == 2
@@ -126,7 +132,7 @@ def test_components_the_reference_does_not_move_are_left_out(rounding):
 
 
 def test_nothing_in_common_is_not_a_number():
-    empty = replace(REFERENCE, times=np.zeros(0), states=np.zeros((0, 3)), iterations=np.zeros(0, int))
+    empty = path([], [])
     for found in (compare_paths(empty, REFERENCE), compare_paths(REFERENCE, empty)):
         assert found.steps == 0
         assert np.isnan([found.curve_max, found.curve_rms, found.shape_max, found.shape_rms]).all()

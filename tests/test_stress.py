@@ -153,7 +153,9 @@ def test_a_step_is_the_number_of_one_that_is_stored(read):
             InputError, match=r"step must be one of the 2 of the path, an integer in \[-2, 1\]"
         ):
             read(path, step)
-    none = replace(path, times=path.times[:0], states=path.states[:0], iterations=path.iterations[:0])
+    none = replace(
+        path, **{name: getattr(path, name)[:0] for name in ("times", "states", "iterations", "least_gaps")}
+    )
     with pytest.raises(InputError, match="step must be one of the 0 of the path, got -1"):
         read(none, -1)
 
