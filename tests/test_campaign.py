@@ -973,6 +973,17 @@ def test_an_interrupted_command_says_what_is_kept(tmp_path, monkeypatch, capsys)
     assert capsys.readouterr().err == f"coilcheck: interrupted: {said}\n"
 
 
+def test_a_command_interrupted_while_its_page_is_made_says_what_is_kept(tmp_path, monkeypatch, capsys):
+    def interrupt(data, out):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(run, "write_page", interrupt)
+    call = ["stability", "--beams", "1", "--wires", "0", "--workers", "0", "--out", str(tmp_path)]
+    assert main(call) == 130
+    said = f"1 of 1 rows are in {tmp_path / 'stability.csv'}; the same command goes on"
+    assert capsys.readouterr().err.splitlines()[-1] == f"coilcheck: interrupted: {said}"
+
+
 @pytest.mark.parametrize(("seeds", "code"), [("3,4", 0), ("3,8", 1)])
 def test_one_case_of_some_seeds(seeds, code, calls, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -71,8 +71,8 @@ def campaign(
             append(rows, file, COLUMNS)
             done |= set(map(table.key_of, rows))
             progress(len(done), len(wanted))
-    chosen = table.sort(file, wanted)
-    write_page(chosen, out)
+        chosen = table.sort(file, wanted)
+        write_page(chosen, out)
     options = f"--beams {beams} --wires {wires} --seeds {','.join(map(str, seeds))}"
     write_provenance(f"coilcheck stability {options}", out)
     return chosen
