@@ -175,7 +175,7 @@ def test_a_contact_side_swapped_is_caught(before, which, monkeypatch):
 
     monkeypatch.setattr(equivbeam.model, "_circles", swapped)
     moves = moved(before, LAWS)
-    assert {"contact_force", "contact_moment", "outcome"} & kinds(moves)
+    assert {"contact_force", "force_times_number", "outcome"} & kinds(moves)
     assert not any("no-contact" in move.run for move in moves)
 
 

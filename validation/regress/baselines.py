@@ -111,8 +111,8 @@ def quantities(path: EquilibriumPath, sensitive: bool = False) -> Quantities:
         "peaks": dict(zip(COMPONENTS, peaks.tolist(), strict=True)),
         "load_y": path.loads[rows, 1].tolist(),  # the answer, where UY is prescribed
         "contact_force": float(forces.sum()),
-        # force times number of the pair, which tells where coils touch
-        "contact_moment": float(forces @ np.arange(1, forces.size + 1)),
+        # of each pair, counted from 1, summed: where coils touch
+        "force_times_number": float(forces @ np.arange(1, forces.size + 1)),
         "max_penetration": float(path.max_penetration[-1]) if reached else 0.0,
         "total_iterations": int(path.total_iterations),
         "iterations": path.iterations.tolist(),

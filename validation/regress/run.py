@@ -27,10 +27,10 @@ from validation.study.models import MODELS
 from validation.study.paths import make_ready
 
 SCENE = "scene.toml"  # beside the baselines of a user's scene: what they are of
-FORCES = ("contact_force", "contact_moment", "max_penetration")
-# of a quantity by its first word; the moment of contact is taken by the pairs' numbers
+FORCES = ("contact_force", "force_times_number", "max_penetration")
+# of a quantity by its first word
 UNITS = {"rotz": " rad"} | dict.fromkeys(("ux", "uy", "max_penetration"), " mm")
-UNITS |= dict.fromkeys(("load_y", "contact_force", "contact_moment"), " N")
+UNITS |= dict.fromkeys(("load_y", "contact_force", "force_times_number"), " N")
 COUNTS = ("iterations", "active_contacts")
 TIP = 1e-7  # of the component's peak, or of the largest one's where it is fixed
 FORCE = 1e-5  # of the value: a penalty turns rounding of positions into forces
