@@ -1,6 +1,6 @@
 """A load path as accurate as asked for: mesh, stations and substeps are chosen, and the error is estimated.
 
-What is solved next is decided here, by what the paths so far tell of the error (`wirefe.trials`).
+What is solved next is decided here, by the error estimated from the paths so far (`wirefe.trials`).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from wirefe.trials import ACCURACIES, CHANCE, STEADY, NotReached, Trials, refusa
 
 COARSEST = 4  # first level, which mostly does where wires do not touch
 ROUGH = 5e-3  # accuracy from which few more stations mostly do where they touch
-# Errors over what differences of paths tell, at most, as measured on random springs.
+# Errors over their estimates from differences of paths, at most, as measured on random springs.
 FIRST = 2.0  # of the first of two paths
 MIXED = 5.0  # of the first of two where their substeps differ, too, or errors fall unevenly
 SUBSTEPS = 10.0  # of a path in fewer steps where contact remembers: pairs may slide in it alone
@@ -136,7 +136,7 @@ def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     fine = (trials.irregular and trials.wanted < ROUGH) or trials.erratic
     if fine or len(trials.found) == 1 or first.path.critical_time is not None:
         return first.path, math.inf
-    return first.path, factor * trials.apart[0]
+    return first.path, factor * trials.deviations[0]
 
 
 def _refined(trials: Trials) -> tuple[EquilibriumPath, float]:

@@ -1,4 +1,4 @@
-"""Paths of a scene on meshes that are finer and finer, and what their differences tell of the error.
+"""Paths of a scene on meshes that are finer and finer, and the error estimated from their differences.
 
 The error is that of the load curve (`coilspring.curves`), against the wire model of the same scene with a
 mesh, stations and substeps without end. It is taken to fall with the square of the resolution of the meshes
@@ -21,14 +21,14 @@ from wirefe.solve import solve
 
 # Accuracies and errors are of `coilspring.curves`: shares of the peak.
 ACCURACIES = (1e-5, 1e-2)  # that may be asked for
-# Errors over what differences of paths tell, at most, as measured on random springs.
+# Errors over their estimates from differences of paths, at most, as measured on random springs.
 SMOOTH = 3.0  # of the last path where errors fall evenly
-STEADY = 2.0  # of the last path where they do, and two before it tell alike
+STEADY = 2.0  # of the last path where they do, and the two estimates before it agree
 UNEVEN = 10.0  # of the last path where errors fall unevenly
-ALIKE = 1.5  # ratio of the errors that two paths tell, below which they tell alike
+ALIKE = 1.5  # ratio of two estimates, below which they agree
 CHANCE = 1e-3  # accuracy up to which two paths agree too often by chance with stations or friction: three do
 SHARE = 0.5  # least resolution of a mesh with few stations, as a share of its level
-FALL = 0.5  # least error that a path tells, as a share of what the one before told: two may agree by chance
+FALL = 0.5  # least ratio of an estimate to the one before: two paths may agree by chance
 
 
 class NotReached(InputError):
@@ -59,8 +59,8 @@ class Trials:
     steps : of a path that can be the answer.
     lost : error that is left by substeps.
     found : paths with their meshes.
-    apart : by how much each path before differs from the last one.
-    told : error of the last path times the square of its resolution, as each path before tells it.
+    deviations : of each path before from the last one.
+    constants : error of the last path times the square of its resolution, as estimated from each path before.
     enough : error that will do where the one wanted is out of reach.
     guarded : whether paths may agree by chance on what is wanted, and more of them are compared.
     solved : what was solved, by its mesh and steps.
@@ -72,8 +72,8 @@ class Trials:
     steps: int
     lost: float = 0.0
     found: list[Trial] = field(default_factory=list)
-    apart: list[float] = field(default_factory=list)
-    told: list[float] = field(default_factory=list)
+    deviations: list[float] = field(default_factory=list)
+    constants: list[float] = field(default_factory=list)
     enough: float = 0.0
     guarded: bool = False
     solved: dict[tuple, EquilibriumPath] = field(default_factory=dict)
@@ -136,7 +136,7 @@ class Trials:
 
     def add(self, level: int, steps: int, stations: int | None = None) -> None:
         """Solve on a level, with the stations that go with it unless given, and with more elements than
-        before: two paths with as many would not tell the error of these."""
+        before: the difference of two paths with as many elements does not contain their error."""
         regular = not self.irregular
         if regular:
             level, stations = self.levels.at_least(level), FEWEST
@@ -151,18 +151,18 @@ class Trials:
             path = self.solve(mesh, self.steps)  # near its end differences are not smooth
         self.take(*self.found, Trial(level, stations, path))
         if regular and self.irregular:  # only now coils touch
-            self.found, self.apart, self.told = [], [], []
+            self.found, self.deviations, self.constants = [], [], []
             self.add(level, self.steps)
 
     def take(self, *found: Trial) -> None:
         """Take these paths, and compare the last one with those before."""
         *before, last = self.found = list(found)
-        fine, self.told = self.resolution(last) ** -2, []
-        self.apart = [difference(each.path, last.path) for each in before]
-        for each, apart in zip(before, self.apart, strict=True):
+        fine, self.constants = self.resolution(last) ** -2, []
+        self.deviations = [difference(each.path, last.path) for each in before]
+        for each, deviation in zip(before, self.deviations, strict=True):
             more = self.resolution(each) ** -2 - fine
             unknown = more <= 0.0 or (self.irregular and each.stations >= last.stations)
-            self.told.append(math.inf if unknown else apart / more)
+            self.constants.append(math.inf if unknown else deviation / more)
 
     def others(self, stations: int) -> int:
         """Stations, at least so many, elsewhere than those of the paths so far, but for two.
@@ -180,32 +180,34 @@ class Trials:
 
     @property
     def constant(self) -> float:
-        """The same as all together tell it; infinite where too few of them end as the last one does.
+        """The largest of `constants`, older ones reduced; infinite where too few paths end as the last one.
 
         Whether a spring passes a critical point or not may change from mesh to mesh: more have to agree.
         """
-        if not self.told or self.told[-1] == math.inf:
+        if not self.constants or self.constants[-1] == math.inf:
             return math.inf
-        known = [constant * FALL**age for age, constant in enumerate(self.told[::-1]) if constant < math.inf]
-        needed = 1 if len(known) == len(self.told) else 2
+        known = [
+            constant * FALL**age for age, constant in enumerate(self.constants[::-1]) if constant < math.inf
+        ]
+        needed = 1 if len(known) == len(self.constants) else 2
         if self.found[-1].path.critical_time is not None:
             needed = 3 if self.irregular else 2
         return max(known) if len(known) >= needed else math.inf
 
     @property
     def safety(self) -> float:
-        """Error over what the constant tells, at most."""
+        """Error over its estimate by the constant, at most."""
         if self.uneven:
             return UNEVEN
-        if len(self.found) > 2 and max(self.told[-2:]) < ALIKE * min(self.told[-2:]):
+        if len(self.found) > 2 and max(self.constants[-2:]) < ALIKE * min(self.constants[-2:]):
             return STEADY
         return SMOOTH
 
     @property
     def by_chance(self) -> bool:
         """Whether the paths so far may agree by chance, and a finer mesh may tell."""
-        few_told = self.guarded and self.irregular and len(self.found) < 3
-        return few_told and self.found[-1].level < self.finest
+        few = self.guarded and self.irregular and len(self.found) < 3
+        return few and self.found[-1].level < self.finest
 
     @property
     def estimate(self) -> float:
