@@ -7,12 +7,11 @@ its pairs is taken.
 
 import math
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from coilspring import EquilibriumPath, Scene, Spring
+from coilspring import EquilibriumPath, Spring
 from validation.campaign.energy import BeamEnergy, circles, turned
 from validation.campaign.verdict import Verdict
 from validation.campaign.wire import WireForces
@@ -32,27 +31,18 @@ def excess(path: EquilibriumPath, states: np.ndarray) -> np.ndarray:
 
 
 def deepest(path: EquilibriumPath, states: np.ndarray) -> np.ndarray:
-    """Penetration of a path's deepest pair in states, mm; 0 where none touches."""
+    """Penetration of a path's deepest pair in states, mm; 0 where none touches.
+
+    Neither the law nor the kind of element changes where pairs are.
+    """
     if path.model == "equivbeam":
-        depths = _beam(path.scene).depths(states)
+        depths = BeamEnergy(path.scene, "haringx").depths(states)
     else:
         options: Mapping[str, Any] = path.options
-        forces = _wire(path.scene, options["elements_per_turn"], options["pairs_per_turn"])
+        forces = WireForces(path.scene, "straight", options["elements_per_turn"], options["pairs_per_turn"])
         pairs = fresh_pairs(forces.points, forces.law, forces.rest, path.shape.pair_law.pairs)
         depths = pairs.depth(states.reshape(len(states), states.shape[1] // 7, 7))
     return depths.max(axis=1, initial=0.0)
-
-
-# One case asks for the same scene many times, and for a changed one between them. Neither the law nor the
-# kind of element changes where pairs are.
-@lru_cache(maxsize=2)
-def _beam(scene: Scene) -> BeamEnergy:
-    return BeamEnergy(scene, "haringx")
-
-
-@lru_cache(maxsize=2)
-def _wire(scene: Scene, elements_per_turn: int, pairs_per_turn: int) -> WireForces:
-    return WireForces(scene, "straight", elements_per_turn, pairs_per_turn)
 
 
 def verify_overlap(verdict: Verdict, path: EquilibriumPath) -> None:
