@@ -146,6 +146,7 @@ def path_shape(scene: Scene, options: Mapping[str, Any], found: object = ()) -> 
     """Reader of the states of a path that was solved with the options; no pairs are found on the way.
 
     A law that this process does not know is not needed to read them, but for the forces that hold the top.
+    These stay refused if the law is loaded later: the table of parameters is another law's.
     """
     try:
         chosen = BeamOptions.of(options)
