@@ -46,7 +46,7 @@ def study_law(
     """Write ``law.md``, ``law.csv`` and ``law.png`` of a `tried` law to a folder; the page's summary.
 
     What is solved is kept in the store under the content of the file: a study that was interrupted goes on.
-    `quick`: fewer springs and scenes, about a minute.
+    `quick`: fewer springs and scenes, up to three minutes.
     """
     if law.source is None:
         raise InputError(f"law {law.name} must come from a file: its content is part of every key")
