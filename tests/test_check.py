@@ -30,7 +30,7 @@ from coilspring.scene.toml import scene_from_text, scene_text
 from validation.cli import main
 from validation.view.check import report
 from validation.view.drawing import draw
-from wirefe.results.linear import held_rate
+from validation.view.held import held_rate
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 SCENES = (*CATALOGUE, *map(str, EXAMPLES))

@@ -18,8 +18,8 @@ from validation.study.lawwarning import law_warning
 from validation.study.models import MODELS
 from validation.study.partialsolve import partial_path
 from validation.study.template import template
+from validation.view.held import held_rate
 from wirefe.mesh import mesh_wire
-from wirefe.results.linear import held_rate
 
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
 LEFT_OUT = "; its friction, or what makes its coils stick, with --sliding scene alone"

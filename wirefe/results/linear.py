@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coilspring.scene import Scene
-from coilspring.scene.solidwire import wire_flexibility
 from wirefe.element.beam import beams
 from wirefe.element.poses import at_rest
-from wirefe.rod import Rod, curved_rod
+from wirefe.rod import Rod
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-
-PER_TURN = 16  # curved elements, whose linear flexibility is exact
 
 
 def linear_stiffness(rod: Rod) -> csr_array:
@@ -40,18 +34,6 @@ def tip_flexibility(rod: Rod, at: np.ndarray) -> np.ndarray:
     wrenches[-6:] = np.eye(6)
     wrenches[-3:, :3] = np.cross(at - rod.points[-1], np.eye(3)).T
     return wrenches.T @ spsolve(linear_stiffness(rod)[6:, 6:].tocsc(), wrenches)
-
-
-def held_rate(scene: Scene) -> float:
-    """Axial rate at rest of the active coils, as rigid ends hold them, N/mm: the top turns about Z and moves
-    along X where its supports leave that free."""
-    spring = scene.spring
-    phases = np.linspace(0.0, spring.phase_end, math.ceil(PER_TURN * spring.active_coils) + 1)
-    rod = curved_rod(spring, phases, wire_flexibility(spring, scene.material))
-    flexibility = tip_flexibility(rod, np.array([0.0, spring.active_height, 0.0]))
-    free = [1, *(dof for name, dof in (("ux", 0), ("rotz", 5)) if name not in scene.supports.top_held)]
-    stiffness = np.linalg.inv(flexibility)[np.ix_(free, free)]
-    return float(1.0 / np.linalg.inv(stiffness)[0, 0])
 
 
 def scattered(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, size: int) -> csr_array:
