@@ -30,7 +30,7 @@ from coilspring.scene.toml import scene_from_text, scene_text
 from validation.cli import main
 from validation.view.check import report
 from validation.view.drawing import draw
-from validation.view.held import held_rate
+from validation.view.held import held_wire
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 SCENES = (*CATALOGUE, *map(str, EXAMPLES))
@@ -459,12 +459,37 @@ def test_the_rate_of_few_coils_is_that_of_the_wire_as_it_is_held(coils, held):
     """By the wire model to 1e-5. A guided half coil is twice as stiff as formulas have it; check says so."""
     scene = scene_of(Spring(2.0, 18.0, coils, 4.0 + 4.0 * coils), force=-1e-4, held=held)
     path = wirefe.solve(scene, steps=1, element="curved", elements_per_turn=8)
-    rate = held_rate(scene)
+    rate = held_wire(scene).rate
     assert -1e-4 / path.tips[-1, 1] == pytest.approx(rate, rel=1e-5)
     told = [warning for warning in report(scene)[1] if f"a rate of {rate:.4g} N/mm" in warning]
     assert len(told) == (abs(sizes(scene).rate / rate - 1.0) > 0.1)
     if coils == 0.5 and "rotz" in held:
         assert rate > 1.9 * sizes(scene).rate
+
+
+@pytest.mark.parametrize(
+    ("coils", "excess"), [(1.5, 0.24), (2.5, 0.14), (3.5, 0.10), (5.5, 0.06), (10.5, 0.03)]
+)
+@pytest.mark.parametrize("diameter", [18.0, (18.0, 14.0)])
+@pytest.mark.parametrize("held", [("ux", "rotz"), ()])
+def test_the_stress_between_rigid_ends_is_that_of_the_wire_model(coils, excess, diameter, held):
+    """To 0.5 %. Of guided cylinders with half a coil it is larger than by the formula; check says so."""
+    scene = scene_of(Spring(2.0, diameter, coils, 4.0 * coils), force=-1e-3, held=held)
+    scene = scene.without_contact()
+    path = wirefe.solve(scene, steps=1, element="curved", elements_per_turn=16)
+    wire = held_wire(scene)
+    assert wire.stress * sizes(scene).stress == pytest.approx(path.max_stress[-1], rel=5e-3)
+    assert f"has {wire.stress:.3f} times that stress" in " ".join(report(scene)[0])
+    if held and diameter == 18.0:
+        assert wire.stress == pytest.approx(1.0 + excess, abs=0.015)
+
+
+def test_what_plates_do_to_the_stress_is_not_told():
+    spring = Spring(2.0, 18.0, 4.5, 18.0, ends="closed")
+    assert "times that stress" in " ".join(report(scene_of(spring))[0])
+    assert "times that stress" not in " ".join(
+        report(replace(scene_of(spring), supports=Supports(seat="plate")))[0]
+    )
 
 
 @pytest.mark.parametrize("number", [np.float64(-1.5), np.float32(-1.5), np.array([-1.5]), np.int64(-2)])

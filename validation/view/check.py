@@ -18,7 +18,7 @@ from validation.study.lawwarning import law_warning
 from validation.study.models import MODELS
 from validation.study.partialsolve import partial_path
 from validation.study.template import template
-from validation.view.held import held_rate
+from validation.view.held import held_wire
 from wirefe.mesh import mesh_wire
 
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
@@ -33,6 +33,7 @@ def report(scene: Scene, progress: Progress = lambda line: None) -> tuple[list[s
     """Lines that say what a scene is, and warnings; `progress` hears of what is solved for them."""
     found = sizes(scene)
     (low, high), angle = found.index, math.degrees(found.helix_angle)
+    held = held_wire(scene) if scene.supports.seat == "rigid" else None
     text = WORDS.render(
         name="".join(c if c.isprintable() else repr(c)[1:-1] for c in scene.name),
         **{"scene": scene, "spring": scene.spring, "sizes": found, "solid": math.isinf(found.force)},
@@ -41,19 +42,19 @@ def report(scene: Scene, progress: Progress = lambda line: None) -> tuple[list[s
         angle=angle,
         unknown=math.isnan(found.wire_rates[1]),
         sideways=_sideways(scene),
+        held=held,
     )
     models = (f"  {model:<13} {_verdict(model, scene, progress)}" for model in MODELS)
     warnings = scenewarnings.warnings(scene)
     if float(f"{angle:.3g}") > STEEPEST:  # as it is printed
         steep = f"helix angle up to {angle:.3g} degrees, above {STEEPEST:g}"
         warnings.append(f"{steep}: the formulas leave it out")
-    if scene.spring.active_coils < scenewarnings.LEAST_COILS and scene.supports.seat == "rigid":
-        rate = held_rate(scene)
-        if abs(rate - found.rate) > OFF * rate:
-            warnings.append(
-                f"held by its supports, the wire of so few coils has a rate of {rate:.4g} N/mm at rest, "
-                "which the formulas of rate, closing, deflection, stress and frequency leave out"
-            )
+    few = scene.spring.active_coils < scenewarnings.LEAST_COILS
+    if held and few and abs(held.rate - found.rate) > OFF * held.rate:
+        warnings.append(
+            f"held by its supports, the wire of so few coils has a rate of {held.rate:.4g} N/mm at rest, "
+            "which the formulas of rate, closing, deflection, stress and frequency leave out"
+        )
     if scene.supports.seat == "plate":
         warnings.append(
             "the rate is that of rigid end turns: on plates springs are softer, by 6 to 14 % where measured"
