@@ -479,15 +479,15 @@ def test_the_stress_between_rigid_ends_is_that_of_the_wire_model(coils, excess, 
     path = wirefe.solve(scene, steps=1, element="curved", elements_per_turn=16)
     wire = held_wire(scene)
     assert wire.stress * sizes(scene).stress == pytest.approx(path.max_stress[-1], rel=5e-3)
-    assert f"has {wire.stress:.3f} times that stress" in " ".join(report(scene)[0])
+    assert f"has {wire.stress:.3f} times the stress of the formula" in " ".join(report(scene)[0])
     if held and diameter == 18.0:
         assert wire.stress == pytest.approx(1.0 + excess, abs=0.015)
 
 
 def test_what_plates_do_to_the_stress_is_not_told():
     spring = Spring(2.0, 18.0, 4.5, 18.0, ends="closed")
-    assert "times that stress" in " ".join(report(scene_of(spring))[0])
-    assert "times that stress" not in " ".join(
+    assert "times the stress of the formula" in " ".join(report(scene_of(spring))[0])
+    assert "times the stress of the formula" not in " ".join(
         report(replace(scene_of(spring), supports=Supports(seat="plate")))[0]
     )
 
