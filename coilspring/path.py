@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from numbers import Integral
 from pathlib import Path
@@ -179,6 +179,22 @@ class EquilibriumPath:
     def save(self, file: str | Path | BinaryIO) -> None:
         """Write the path to an npz file, or a binary stream, that `coilspring.load_path` reads."""
         write_fields(self.__getstate__(), file)
+
+    def select(self, rows: slice) -> EquilibriumPath:
+        """The path with some of its rows alone; iterations are those since the row before that is left."""
+
+        def some(values: np.ndarray | None) -> np.ndarray | None:
+            return None if values is None else values[rows]
+
+        return replace(
+            self,
+            times=self.times[rows],
+            states=self.states[rows],
+            iterations=np.diff(np.cumsum(self.iterations)[rows], prepend=0),
+            least_gaps=self.least_gaps[rows],
+            histories=some(self.histories),
+            negative_pivots=some(self.negative_pivots),
+        )
 
     @cached_property
     def loads(self) -> np.ndarray:

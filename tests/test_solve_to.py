@@ -215,7 +215,8 @@ def test_rows_of_a_finer_path():
     coarse = wirefe.solve(scene, element="curved", elements_per_turn=4)
     assert found.times.tolist() == coarse.times.tolist()
     np.testing.assert_allclose(found.tips, coarse.tips, rtol=1e-7)
-    assert found.iterations.sum() == fine.iterations.sum()
+    assert found.iterations.tolist() == fine.iterations.reshape(-1, 4).sum(axis=1).tolist()
+    assert found.histories.shape[0] == len(found.least_gaps) == len(found.times)
 
 
 def test_what_friction_leaves_open_is_refused_with_what_can_be_reached(monkeypatch):

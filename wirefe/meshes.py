@@ -13,8 +13,6 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from coilspring.curves import Curve, compare_curves
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath
@@ -174,20 +172,4 @@ def few(steps: int) -> int:
 
 def thinned(path: EquilibriumPath, scene: Scene, finer: int) -> EquilibriumPath:
     """The rows of the scene's steps, of a path with steps so many times finer."""
-    if finer == 1:
-        return path
-    rows = slice(finer - 1, None, finer)
-    times = path.times[rows]
-    sums = (
-        np.add.reduceat(path.iterations, range(0, len(path.times), finer)) if len(times) else path.iterations
-    )
-    histories = None if path.histories is None else path.histories[rows]
-    return replace(
-        path,
-        scene=scene,
-        times=times,
-        states=path.states[rows],
-        histories=histories,
-        iterations=sums[: len(times)],
-        least_gaps=path.least_gaps[rows],
-    )
+    return path if finer == 1 else replace(path.select(slice(finer - 1, None, finer)), scene=scene)
