@@ -1,13 +1,16 @@
 """How the kernels are compiled, in one place."""
 
 from collections.abc import Callable
+from itertools import groupby
 from typing import Any
 
 import numpy as np
 from numba import njit, types
-from numba.core import cgutils
+from numba.core import cgutils, ir
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import FunctionPass, PassManager, register_pass
+from numba.core.untyped_passes import TranslateByteCode
 from numba.extending import intrinsic, overload, register_jitable
 
 from coilspring.compiling.kernelcache import OPTIONS, KernelCache
@@ -39,8 +42,47 @@ class _PartLibrary(JITCodeLibrary):
         return 0
 
 
-class PartCompiler(Compiler):
-    """numba's compiler, with a library that is kept as it is lowered and only linked into others.
+@register_pass(mutates_CFG=False, analysis_only=False)
+class SortPhis(FunctionPass):
+    """Put what a block hands on to later ones in the order of its names.
+
+    numba collects it in sets of names, whose order changes from process to process, and with it the order in
+    which the compiler adds: two installations would differ in the last digits.
+    """
+
+    _name = "sort_phis"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        """Sort; whether anything may have changed."""
+        for block in state.func_ir.blocks.values():
+            runs = groupby(block.body, lambda line: _phi(line) != "")
+            block.body = [line for _, run in runs for line in sorted(run, key=_phi)]
+        return True
+
+
+def _phi(line: Any) -> str:
+    """Name of what a line of a block hands on; empty of any other line."""
+    handed = isinstance(line, ir.Assign) and line.target.name.startswith("$phi")
+    return line.target.name if handed else ""
+
+
+class KernelCompiler(Compiler):
+    """numba's compiler, made to give the same code in each process."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        """Its pipelines, with one more pass."""
+        found = super().define_pipelines()
+        for pipeline in found:
+            pipeline.add_pass_after(SortPhis, TranslateByteCode)
+            pipeline.finalize()
+        return found
+
+
+class PartCompiler(KernelCompiler):
+    """That compiler, with a library that is kept as it is lowered and only linked into others.
 
     numba optimises and emits each function that another one calls, although the caller inlines it and is
     optimised as a whole: half the time of compiling. It has no option for that.
@@ -51,7 +93,7 @@ class PartCompiler(Compiler):
 
 
 # Division by zero gives inf or nan ("numpy"): checking for it would cost a branch at each division.
-KERNEL = {"error_model": "numpy"}
+KERNEL = {"error_model": "numpy", "pipeline_class": KernelCompiler}
 ENTRY = KERNEL | {"no_cfunc_wrapper": True}
 PART = ENTRY | {"pipeline_class": PartCompiler}
 INLINED = PART | {"forceinline": True}
