@@ -229,3 +229,18 @@ def test_the_example_is_the_spring_of_these_tests():
     assert scene.supports == Supports(GUIDED, seat="plate")
     assert scene.contact == Contact()
     assert scene.spring == SPRING
+
+
+def test_a_driven_top_tells_what_its_guide_carries():
+    """The force with which a top that is free in X reaches the same place, on plates too."""
+    bare = Contact(enabled=False)
+    driven = replace(
+        scene_of(spring=Spring(2.0, 16.0, 4.5, 28.0)), load=Load(displacement=(-4.0,), steps=2), contact=bare
+    )
+    held = wirefe.solve(driven, elements_per_turn=20)
+    assert abs(held.loads[-1, 0]) > 0.01 * abs(held.loads[-1, 1])
+    free = replace(
+        driven, load=Load(tuple(held.loads[-1]), steps=2), supports=Supports(("rotz",), seat="plate")
+    )
+    found = wirefe.solve(free, elements_per_turn=20).tips[-1]
+    np.testing.assert_allclose(found, held.tips[-1], atol=1e-7)

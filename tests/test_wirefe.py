@@ -427,3 +427,16 @@ def test_coils_beyond_an_end_are_measured_from_its_tip_and_along_its_axis():
         above = np.einsum("sni,si->sn", nodes[:, :, :3] - nodes[:, -1:, :3], axis).max(axis=1) - 1.0
         expected = np.maximum(-1.0 - nodes[:, :, 1].min(axis=1), above)
         np.testing.assert_allclose(path.shape.beyond_ends(path.states), expected, atol=1e-12)
+
+
+def test_an_end_turn_that_tilts_reaches_beyond_the_other_end():
+    """The lowest point of the wire is on the rigid end turn of a top that has turned over."""
+    spring = Spring(1.0, 20.0, 3.0, 6.0, end_turns=1.0)
+    shape = wirefe.solve(Scene("tilts", spring, Load((0.0, -1.0), steps=1)), elements_per_turn=8).shape
+    state = shape.rest.copy()
+    state[-7] += 15.0
+    state[-4:] = np.cos(1.0), 0.0, 0.0, -np.sin(1.0)
+    heights = shape.centreline(state, np.linspace(*spring.phase_range, 2000))[:, 1]
+    assert heights.argmin() > 1600
+    found = shape.beyond_ends(state[None])
+    np.testing.assert_allclose(found, spring.tips[0] - heights.min(), rtol=0.01)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -26,6 +27,8 @@ from wirefe.element.poses import at_rest
 from wirefe.mesh import WireMesh
 from wirefe.model import WireModel, matrix_size
 from wirefe.results.stress import largest_stresses
+
+END_POINTS = 64  # of a rigid end turn, compared with the plane of the other end
 
 
 def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
@@ -115,11 +118,24 @@ class WireShape(PairReader):
         )
 
     def beyond_ends(self, states: np.ndarray) -> np.ndarray:
-        """By how much nodes are beyond the planes of the ends, (states,), mm; see `coilspring.path.Shape`."""
+        """By how much the wire is beyond the planes of the ends, (states,), mm; see `coilspring.path.Shape`.
+
+        Nodes, and rigid end turns, each at the other end.
+        """
         nodes, (low, high) = rows(states), self.scene.spring.tips
         axis = turned_rows(nodes[:, -1, 3:], np.array([0.0, 1.0, 0.0]))
-        above = ((nodes[:, :-1, :3] - nodes[:, -1:, :3]) * axis[:, None]).sum(axis=-1)
-        return np.maximum(low - nodes[:, :-1, 1].min(axis=1), above.max(axis=1) - high)
+        bottom, top = np.split(stations_in(states, *self._rigid_ends)[0], 2, axis=1)
+        lowest, highest = (np.concatenate((nodes[:, :-1, :3], end), axis=1) for end in (top, bottom))
+        above = ((highest - nodes[:, -1:, :3]) * axis[:, None]).sum(axis=-1)
+        return np.maximum(low - lowest[..., 1].min(axis=1), above.max(axis=1) - high)
+
+    @cached_property
+    def _rigid_ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes and parts of points of the wire below its first node, and of as many above its last."""
+        spring, phases = self.scene.spring, self.mesh.phases
+        first, last = spring.phase_range
+        below, above = np.linspace((first, phases[-1]), (phases[0], last), END_POINTS, axis=1)
+        return carried(spring, self.mesh, np.concatenate((below, above)))
 
     @property
     def size(self) -> int:
@@ -133,9 +149,12 @@ class WireShape(PairReader):
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along X and Y, shape (states, 2), N."""
-        held, top = self.data.held, self.size - 6
-        free = held._replace(dof=held.dof[(held.dof < top) | (held.dof > top + 1)])
-        return reactions(self.assemble, self.data._replace(held=free), self.size, top, states, histories)
+        held, plates, top = self.data.held, self.data.plates, self.size - 6
+        free = plates.free.copy()
+        free[:2] = 1.0  # plates leave out what is held
+        held = held._replace(dof=held.dof[(held.dof < top) | (held.dof > top + 1)])
+        data = self.data._replace(held=held, plates=plates._replace(free=free))
+        return reactions(self.assemble, data, self.size, top, states, histories)
 
     def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:
         """Tangent stiffness of the top along directions (states, 2), shape (states,), N/mm."""
