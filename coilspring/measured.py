@@ -87,7 +87,7 @@ def _along_load(table: CurveTable, direction: tuple[float, float]) -> Measured:
     peak = int(np.argmax(np.abs(force)))
     force, deflection = force * np.sign(force[peak]), deflection * (np.sign(deflection[peak]) or 1.0)
     loaded = force >= (1.0 - ROUNDING) * TOE * force[peak]
-    if not loaded.any() or not (deflection[loaded] != 0.0).any():
+    if force[peak] == 0.0 or not (deflection[loaded] != 0.0).any():
         found = f"{force[peak]:.4g} N and {np.abs(deflection[loaded]).max(initial=0.0):.4g} mm"
         raise InputError(
             f"curve must have forces and deflections that are not zero throughout, got {found} at most"

@@ -25,7 +25,15 @@ from coilspring import (
     spring_a,
     spring_b,
 )
-from coilspring.scene.sizing import POINTS, along, buckling_shortening, least_gap, sizes, wire_length
+from coilspring.scene.sizing import (
+    POINTS,
+    along,
+    axial_rate,
+    buckling_shortening,
+    least_gap,
+    sizes,
+    wire_length,
+)
 from coilspring.scene.toml import scene_from_text, scene_text
 from validation.cli import main
 from validation.view.check import report
@@ -98,6 +106,24 @@ def test_a_history_that_pulls_more_is_judged_by_what_compresses(pressed):
         scene_of(Spring(2.0, (24.0, 16.0), 8.0, 60.0)), load=Load(stages=((0.0, 300.0), (0.0, -160.0)))
     )
     assert "coils close under the load, and contact is not enabled" in report(bare.without_contact())[1]
+
+
+def test_without_contact_no_coil_closes():
+    """The formulas go on with the whole force, and no line speaks of coils that have closed."""
+    spring = Spring(2.0, 16.0, 5.0, 25.0, start_phase=0.7)
+    for load in (Load((0.0, -160.0)), Load(displacement=(-160.0 / axial_rate(scene_of(spring)),))):
+        scene = replace(scene_of(spring), load=load).without_contact()
+        found, (lines, warnings) = sizes(scene), report(scene)
+        assert found.force == pytest.approx(160.0)
+        assert found.stressed_by == found.force
+        assert found.shortening == pytest.approx(160.0 / found.rate)
+        assert "coils close under the load, and contact is not enabled" in warnings
+        assert not any("solid" in line for line in (*lines[5:], *warnings))
+        assert not any("has closed" in line or "give no more" in line for line in lines)
+
+
+def test_coils_that_touch_at_rest_have_no_negative_gap():
+    assert least_gap(Spring(2.0, 16.0, 5.0, 10.0)) == 0.0
 
 
 @pytest.mark.parametrize("name", CATALOGUE)

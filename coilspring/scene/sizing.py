@@ -90,10 +90,14 @@ def sizes(scene: Scene) -> Sizes:
     spring, d, coils = scene.spring, scene.spring.wire_diameter, along(scene)
     rate = axial_rate(scene)
     held = "uy" in scene.supports.top_held
-    force, shortening, pull = (0.0, 0.0, 0.0) if held else _axial(scene.load, rate, coils)
+    # without contact no coil closes
+    touching = (
+        coils if scene.contact.enabled else coils._replace(closing=np.full_like(coils.closing, math.inf))
+    )
+    force, shortening, pull = (0.0, 0.0, 0.0) if held else _axial(scene.load, rate, touching)
     index = coils.diameter / d
     # a coil that has closed carries no more than what closed it
-    carried = np.maximum(np.minimum(max(force, 0.0), coils.closing), pull)
+    carried = np.maximum(np.minimum(max(force, 0.0), touching.closing), pull)
     stress = stress_factor(index) * 8.0 * carried * coils.diameter / (math.pi * d**3)
     worst = float(index[np.argmax(stress)])
     active = wire_length(replace(spring, end_turns=0.0))
@@ -255,7 +259,7 @@ def least_gap(spring: Spring) -> float | None:
     distance = np.hypot(
         spring.radius(upper) - spring.radius(lower), spring.height(upper) - spring.height(lower)
     )
-    return float(distance.min()) - spring.wire_diameter
+    return max(float(distance.min()) - spring.wire_diameter, 0.0)  # coils that touch, but for rounding
 
 
 def buckling_shortening(scene: Scene) -> float | None:

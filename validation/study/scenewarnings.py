@@ -61,7 +61,9 @@ def _of_load(scene: Scene, found: Sizes) -> list[str]:
             f"slenderness {slender:.3g}: as a column it buckles when shortened by {found.buckling:.3g} mm, "
             f"at about {found.buckling * found.rate:.3g} N (EN 13906-1; see also equivbeam.buckling)"
         )
-    if math.isinf(found.force):
+    if found.force > found.closing[0] and not scene.contact.enabled:
+        said.append("coils close under the load, and contact is not enabled")
+    elif math.isinf(found.force):
         said.append(
             f"the prescribed shortening of {found.shortening:.3g} mm is beyond solid: "
             f"the spring has {found.travel:.3g} mm"
@@ -71,8 +73,6 @@ def _of_load(scene: Scene, found: Sizes) -> list[str]:
             f"the axial load of {found.force:.3g} N is beyond solid: the last coil closes at "
             f"{found.closing[1]:.3g} N"
         )
-    elif found.force > found.closing[0] and not scene.contact.enabled:
-        said.append("coils close under the load, and contact is not enabled")
     return said
 
 
