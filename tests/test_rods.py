@@ -70,6 +70,19 @@ def test_euler_column_bifurcates():
     assert 5.0 * caught.value.critical_time == pytest.approx(np.pi**2 / 4, rel=2e-4)
 
 
+def test_a_traced_column_goes_straight_on_where_it_may_buckle():
+    """Time goes on as before past the bifurcation, beyond which the straight column is unstable."""
+    rod = wirefe.straight_rod(line(1.0, 20), Section(1e4, 1e4, 1.0, 1.0)).holding(0).in_plane()
+    euler = np.pi**2 / 4
+    path = wirefe.trace_rod(rod.loaded(-1, force=(-3.0 * euler, 0.0, 0.0)), points=120)
+    assert path.outcome == "completed"
+    assert path.times[-1] >= 1.0
+    assert (np.diff(path.times) > 0.0).all()
+    np.testing.assert_allclose(path.displacements(-1)[:, 1], 0.0, atol=1e-9)
+    assert path.negative_pivots.tolist() == (path.times > 1.0 / 3.0).astype(int).tolist()
+    assert "another path branches off (bifurcation), which is not taken" in path.message
+
+
 def test_scene_and_rod_are_one_model():
     """A spring without end turns, built as a rod by hand: the loads act at the wire's last point there."""
     spring = spring_a().spring

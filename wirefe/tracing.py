@@ -1,5 +1,6 @@
 """The path past its limit points, by arc-length continuation, for a scene and for any wire."""
 
+import math
 import time
 from dataclasses import replace
 from operator import add
@@ -150,6 +151,12 @@ def _verdict(found: Trace) -> tuple[str, str]:
     """Outcome and message."""
     count = len(found.times)
     last = f"{found.times[-1]:.6f}" if count else "0"
-    if found.finished:
-        return "completed", f"{count} points were traced, to time {last}"
-    return "not_converged", f"the path could not be traced beyond point {count}, at time {last}"
+    passed = ""
+    if found.bifurcation < math.inf:
+        before = f"; before time {found.bifurcation:.6f}"
+        passed = f"{before} another path branches off (bifurcation), which is not taken"
+    if not found.finished:
+        said = f"the path could not be traced beyond point {count}, at time {last}"
+        return "not_converged", said + passed
+    short = "" if count and found.times[-1] >= 1.0 else ": all that were asked for, before time 1"
+    return "completed", f"{count} points were traced, to time {last}{short}{passed}"

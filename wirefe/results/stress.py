@@ -63,10 +63,12 @@ class WireStress:
     bending_in : bending moment in the plane of the coil, N mm; with its sign.
     torsion_stress : 16 |T| / (pi d^3), MPa: of a closely coiled spring under an axial force 8 F D / (pi d^3).
     bending_stress : 32 M / (pi d^3), MPa.
-    shear_corrected : the first one with Bergstraesser's factor (EN 13906-1), which has the shear force in it.
+    shear_corrected : the first one with Bergstraesser's factor (EN 13906-1). The shear force is in it as far
+        as it goes with the torsion, 2 T / D; the direct shear of another one is not.
     bending_corrected : the second one with the factor of torsion springs (EN 13906-3) on bending in the
         plane of the coil, and the axial force over the wire's area.
-    equivalent : after von Mises, of the last two as if they were at one point of the section: a bound.
+    equivalent : after von Mises, of the last two as if they were at one point of the section: a bound, but
+        for that direct shear.
     """
 
     turns: np.ndarray

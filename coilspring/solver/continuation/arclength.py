@@ -30,7 +30,7 @@ MOST_ARC = 0.05
 MOST_CORRECTIONS = 10
 FEW_CORRECTIONS = 4  # the next arc may be longer
 CORRECTION = 1e-9  # size of the last correction in the arc's measure: the next would be its square
-TURN_COSINE = 0.9  # of the path's direction between neighbouring points,
+TURN_COSINE = 0.9  # of the path's direction between neighbouring points, or of the reverse,
 KINK_ARC = 1e-3  # but for shorter arcs: contact that opens or closes kinks the path
 
 
@@ -58,6 +58,7 @@ class Trace(NamedTuple):
     states: np.ndarray  # (points, state size)
     iterations: np.ndarray  # (points,) factorisations of each point, rejected attempts included
     negative: np.ndarray  # (points,) negative pivots: 0 where the equilibrium is stable
+    bifurcation: float  # time at which another path first branched off; infinite where none was seen
     finished: bool  # False where the arc shrank to nothing
     new_pair: bool  # True where it ended at its last state because a pair touches that is not in the model
     pairs: int  # contact pairs evaluated
@@ -96,15 +97,17 @@ def correct(system, arc, state, time):
 
 
 @part
-def direction(v, negative, scale, along, pitch, new):
+def direction(v, negative, side, scale, along, pitch, new):
     """Unit direction of the path from v = dq/dt.
 
-    Along a path time rises and falls with the sign of det H, also where the path is kinked (the
-    orientation of a homotopy path, Allgower & Georg 1990, section 2.1): the parity of the negative
-    pivots. Fills `new`; returns its share in time and the cosine with (`along`, `pitch`).
+    Along a path time rises and falls with the sign of det H, the parity of the negative pivots, also where
+    the path is kinked (the orientation of a homotopy path, Allgower & Georg 1990, section 2.1). Where another
+    path branches off, det H changes its sign and time goes on as before (section 8.1), so that a point ahead
+    seems to lead back: there `side`, 1 or -1, changes too. Fills `new`; returns its share in time and the
+    cosine with (`along`, `pitch`).
     """
     size = np.sqrt(dot(v, v) / scale**2 + 1.0)
-    sign = 1.0 if negative % 2 == 0 else -1.0
+    sign = side if negative % 2 == 0 else -side
     for i in range(v.size):
         new[i] = sign * v[i] / size
     return sign / size, sign * (dot(v, along) / scale**2 + pitch) / size
@@ -132,9 +135,10 @@ def trace(data, kernels, load, points, start, history, size, stop):
     factored(system, H)
     solution(system, H, load, 1.0, v)
     scale = np.sqrt(dot(v, v))
-    pitch, _ = direction(v, 0, scale, along, 1.0, new)
+    pitch, _ = direction(v, 0, 1.0, scale, along, 1.0, new)
     copy(new, along)
     time, length, row, spent = 0.0, FIRST_ARC, 0, 1
+    side, bifurcation = 1.0, np.inf
     while row < points and time < 1.0 and length >= LEAST_ARC and least_gap > -np.inf and stop[0] == 0:
         arc = Arc(state, least_gap, history, load, along, pitch, scale, g, H, v, w, scratch)
         moved(system, state, along, length, trial)
@@ -142,12 +146,15 @@ def trace(data, kernels, load, points, start, history, size, stop):
         spent += count
         pairs += near
         if good:
-            share, cosine = direction(v, negative, scale, along, pitch, new)
+            share, cosine = direction(v, negative, side, scale, along, pitch, new)
             _, pair, _ = displacement_bound(system, state, trial, 0.0)
-            good = (cosine >= TURN_COSINE or length <= KINK_ARC) and pair <= PAIR_MOTION
+            good = (abs(cosine) >= TURN_COSINE or length <= KINK_ARC) and pair <= PAIR_MOTION
         if not good:
             length *= 0.5
             continue
+        if cosine <= -TURN_COSINE:
+            side, bifurcation = -side, reached if bifurcation == np.inf else bifurcation
+            share, _ = direction(v, negative, side, scale, along, pitch, new)
         copy(trial, state)
         copy(new, along)
         time, pitch = reached, share
@@ -159,7 +166,16 @@ def trace(data, kernels, load, points, start, history, size, stop):
             length = min(1.5 * length, MOST_ARC)
     # `Trace`; making one in compiled code would call back into the interpreter
     finished, new_pair = length >= LEAST_ARC, least_gap == -np.inf
-    return times[:row], states[:row], iterations[:row], negatives[:row], finished, new_pair, pairs
+    return (
+        times[:row],
+        states[:row],
+        iterations[:row],
+        negatives[:row],
+        bifurcation,
+        finished,
+        new_pair,
+        pairs,
+    )
 
 
 @lru_cache(maxsize=1)
