@@ -175,3 +175,39 @@ def test_where_no_home_can_be_written_kernels_are_kept_elsewhere(tmp_path):
     found = Path(subprocess.run([sys.executable, "-c", code], **run).stdout.strip())
     assert found.parent == tmp_path
     assert found.stat().st_mode & 0o077 == 0
+
+
+HANDS_ON = """
+from coilspring.compiling.compiled import kernel
+
+@kernel
+def f(a, n):
+    total = 0.0
+    for i in range(n):
+        good = a[i] > 0.0 and a[i] < 1.0
+        total += min(a[i], 1.0) * (a[i] if good and i > 1 else -1.0)
+        total += a[i] + max(total, a[i] if good or i < 3 else 2.0)
+    return total
+
+f.compile("float64(float64[::1], int64)")
+"""
+
+
+def test_kernels_are_the_same_code_in_each_process(tmp_path):
+    """Names are hashed anew in each process; numba's own order of what blocks hand on changes with it."""
+    file = tmp_path / "hands_on.py"
+    file.write_text(HANDS_ON)
+    found = set()
+    for seed in range(4):
+        settings = {
+            "PYTHONHASHSEED": str(seed),
+            "NUMBA_DUMP_LLVM": "1",
+            "NUMBA_CACHE_DIR": str(tmp_path / str(seed)),
+        }
+        run = subprocess.run(
+            [sys.executable, str(file)], env=os.environ | settings, capture_output=True, text=True, check=True
+        )
+        handed = [line for line in run.stdout.splitlines() if "$phi" in line]
+        assert len(handed) > 20
+        found.add("\n".join(handed))
+    assert len(found) == 1
