@@ -110,6 +110,26 @@ def test_what_cannot_be_varied_is_refused_with_what_can(text, words, tmp_path, c
     [
         (["load.force.1=-1", "load.force.1=-2"], "load.force.1 is varied twice: give all its val"),
         (["spring.mean_diameter=9", "spring.mean_diameter.0=8"], "is varied already, by spring.mean_diam"),
+        (
+            ["load.force.1=-1", "load.displacement=-2"],
+            "load.force.1 and load.displacement exclude each other: v",
+        ),
+        (
+            ["load.displacement=-2", "load.force.1=-1"],
+            "load.displacement and load.force.1 exclude each other: v",
+        ),
+        (
+            ["material.G=8e4", "load.steps=1", "material.nu=0.3"],
+            "material.G and material.nu exclude each other",
+        ),
+        (
+            ["spring.outer_diameter=9", "spring.inner_diameter=8"],
+            "r and spring.inner_diameter exclude each oth",
+        ),
+        (
+            ["spring.mean_diameter.0=9", "spring.outer_diameter=8"],
+            "r.0 and spring.outer_diameter exclude each ",
+        ),
         (["load.force.1=-2:-1:400", "material.E=2e5:3e5:400"], "at most 100000 scenes, got 160000"),
     ],
 )

@@ -50,10 +50,7 @@ def read_varied(texts: Sequence[str], table: Mapping[str, Any]) -> list[Varied]:
                 raise InputError("must be KEY=FIRST:LAST:COUNT or KEY=VALUE,VALUE,...")
             _require_key(key, table)
             for other in found:
-                if key == other.key:
-                    raise InputError(f"{key} is varied twice: give all its values in one list or range")
-                if f"{key}.".startswith(f"{other.key}.") or f"{other.key}.".startswith(f"{key}."):
-                    raise InputError(f"{key} is varied already, by {other.key}")
+                _refuse_same(key, other.key)
             found.append(Varied(key, _different(_values(values))))
         except InputError as error:
             raise InputError(f"--vary {text!r}: {error}") from None
@@ -89,6 +86,17 @@ def _require_key(key: str, table: Mapping[str, Any]) -> None:
             )
             raise InputError(f"unknown item {step!r} of {place} in this scene; {allowed}")
         value, place = items[step], f"{place}.{step}"
+
+
+def _refuse_same(key: str, other: str) -> None:
+    """Refuse a key that sets what the `other` varied one sets, or takes its place."""
+    if key == other:
+        raise InputError(f"{key} is varied twice: give all its values in one list or range")
+    if f"{key}.".startswith(f"{other}.") or f"{other}.".startswith(f"{key}."):
+        raise InputError(f"{key} is varied already, by {other}")
+    (section, name), (home, another) = (each.split(".")[:2] for each in (key, other))
+    if section == home and another in _beside(SECTIONS[section], name):
+        raise InputError(f"{other} and {key} exclude each other: vary one")
 
 
 def _in_place(name: str, record: type, keys: Mapping[str, Any]) -> str:
