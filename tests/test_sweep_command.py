@@ -296,6 +296,17 @@ def test_with_an_accuracy_the_reason_is_the_same(vary, reason, tmp_path, capsys)
         assert capsys.readouterr().err.startswith(f"coilcheck: no scene can be solved: {reason}")
 
 
+def test_points_of_one_scene_have_rows_with_values_of_their_own(tmp_path):
+    """Both had those of the later one."""
+    target, out = tmp_path / "own.toml", tmp_path / "out"
+    target.write_text(scene_text(spring_b()).replace("top_held = []", 'top_held = ["ux", "rotz"]'))
+    held = [f"--vary=supports.top_held.{item}=ux,rotz" for item in (0, 1)]
+    assert main(["sweep", str(target), *held, *ONE, "--out", str(out)]) == 3
+    found = [[row[f"supports.top_held.{item}"] for item in (0, 1)] for row in rows(out)]
+    assert found == [["ux", "ux"], ["ux", "rotz"], ["rotz", "ux"], ["rotz", "rotz"]]
+    assert [row["outcome"] == "refused" for row in rows(out)] == [True, False, False, True]
+
+
 GRID = [Varied("load.force.1", (-40.0, -60.0, -80.0, -100.0))]
 
 

@@ -101,10 +101,7 @@ def sweep(
             rows[keys[i]] = row
             done += 1
             progress(done, len(grid))
-    for point, key in zip(grid, keys, strict=True):
-        if point.scene is None:
-            rows[key] = _row(columns, key, point, Outcome(REFUSED, point.refused))
-    ordered = [rows[key] for key in keys]
+    ordered = _ordered(columns, grid, keys, rows)
     write(ordered, target, columns)
     return ordered
 
@@ -168,8 +165,20 @@ def kept_files(folder: Path) -> set[Path]:
     return set(folder.glob(f"{Path(FILE).stem}.*.csv"))
 
 
+def _ordered(
+    columns: Sequence[str], grid: Sequence[Point], keys: Sequence[str], rows: Mapping[str, Row]
+) -> list[Row]:
+    """A row for each point, with its own values: points of one scene are found under one key."""
+    return [
+        rows[key] | _texts(dict(zip(columns, point.values, strict=False)))
+        if point.scene
+        else _row(columns, key, point, Outcome(REFUSED, point.refused))
+        for point, key in zip(grid, keys, strict=True)
+    ]
+
+
 def _row(columns: Sequence[str], key: str, point: Point, found: Outcome) -> Row:
-    """A row, values as a scene file has them, to the last digit; nothing where there is none."""
+    """A row; nothing where there is no value."""
     values = dict(zip(columns, point.values, strict=False))
     if found.outcome not in (REFUSED, CRASHED):
         values |= asdict(found) | {"time": found.last_time, "iterations": found.total_iterations}
@@ -177,12 +186,16 @@ def _row(columns: Sequence[str], key: str, point: Point, found: Outcome) -> Row:
         values |= zip(COMPONENTS, found.tip or (), strict=False)
     values |= {"outcome": found.outcome, "message": " ".join(found.message.split())}
     values["key"] = "" if found.outcome == REFUSED else key  # which is soon found again
-    texts = {
+    return dict.fromkeys(columns, "") | _texts({name: values.get(name) for name in columns})
+
+
+def _texts(values: Mapping[str, object]) -> Row:
+    """Values as a scene file has them, to the last digit, where there are any."""
+    return {
         name: str(value).lower() if isinstance(value, bool) else str(value)
         for name, value in values.items()
         if value is not None
     }
-    return {name: texts.get(name, "") for name in columns}
 
 
 def write_picture(folder: Path, rows: Sequence[Row], keys: Sequence[str], scene: Scene, model: str) -> None:
