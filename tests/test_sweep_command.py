@@ -435,7 +435,18 @@ def test_options_that_differ_from_scene_to_scene_are_told_apart(tmp_path):
     run.sweep(tmp_path, AT_ONCE, grid, list(points(AT_ONCE, grid)), choose, workers=0)
     found = json.loads((tmp_path / SETTINGS).read_text())
     assert (found["model"], found["options"]) == ("wirefe", {})
-    assert found["differing"] == {"elements_per_turn": [8, 4], "element": ["straight", "curved"]}
+    assert found["differing"] == {
+        "elements_per_turn": [8, 4],
+        "element": ["straight", "curved"],
+        "pairs_per_turn": [32, 4],  # those of stations and spheres, unless asked otherwise
+    }
+    for options, pairs in ({}, 4), ({"pairs_per_turn": 8}, 8):
+        choice = run.Choice.of("wirefe", options)
+        run.sweep(
+            tmp_path, AT_ONCE, GRID[:1], list(points(AT_ONCE, GRID[:1])), lambda _, c=choice: c, workers=0
+        )
+        found = json.loads((tmp_path / SETTINGS).read_text())["options"]
+        assert found == {"elements_per_turn": 40, "element": "straight", "pairs_per_turn": pairs}
 
 
 def test_kernels_of_plates_are_stored_before_a_worker_needs_them(tmp_path, monkeypatch):

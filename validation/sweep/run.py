@@ -86,7 +86,7 @@ def sweep(
     write(rows.values(), target, columns)
     scene = {"scene": table.get("name"), "scene_table": table}
     values = {"varied": {each.key: each.values for each in varied}}
-    settings = scene | values | _settings(task[1] for task in tasks if task) | dict(about)
+    settings = scene | values | _settings(task for task in tasks if task) | dict(about)
     write_bytes(folder / SETTINGS, json_bytes(settings | {"versions": versions()}))
     missing = {i: task for i, task in enumerate(tasks) if task and keys[i] not in rows}
     done = len(grid) - len(missing)
@@ -111,9 +111,9 @@ def _kernels(scene: Scene, choice: Choice) -> Kernels:
     return import_module(f"{choice.model}.solve").scene_kernels(scene, **choice.options)
 
 
-def _settings(choices: Iterable[Choice]) -> dict[str, object]:
+def _settings(tasks: Iterable[tuple[Scene, Choice]]) -> dict[str, object]:
     """Model and options, defaults too, by which all scenes are solved; and values of those that differ."""
-    each = [(choice.model, _defaults(choice.model) | dict(choice.options)) for choice in choices]
+    each = [(choice.model, _options(scene, choice)) for scene, choice in tasks]
     models = {model for model, _ in each}
     values: dict[str, list[object]] = {}
     for _, options in each:
@@ -125,6 +125,16 @@ def _settings(choices: Iterable[Choice]) -> dict[str, object]:
         "options": {name: found[0] for name, found in values.items() if name in shared},
         "differing": {name: [*dict.fromkeys(v)] for name, v in values.items() if name not in shared},
     }
+
+
+def _options(scene: Scene, choice: Choice) -> dict[str, object]:
+    """Options by which a scene is solved, defaults too; that of pairs per turn follows from its geometry."""
+    options = _defaults(choice.model) | dict(choice.options)
+    if choice.model == "wirefe":
+        from wirefe.contact.points import PER_TURN
+
+        options.setdefault("pairs_per_turn", PER_TURN[scene.contact.geometry])
+    return options
 
 
 @cache
