@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import partial
-from itertools import islice, repeat
+from itertools import chain, islice, repeat
 from typing import Any
 
 import numpy as np
@@ -91,8 +91,8 @@ class Sweeper:
         ----------
         scenes : iterable of Scene
         workers : int, optional
-            Processes; by default one for each processor core. 0: none besides this one, which is the fastest
-            for a few springs.
+            Processes, no more than are needed; by default one for each processor core. 0: none besides this
+            one, which is the fastest for a few springs.
         progress : callable, optional
             Called with the number of springs done so far.
         **options
@@ -168,8 +168,12 @@ def _found(
         return job
 
     chunks = iter(lambda: list(map(prepared, islice(jobs, chunk))), [])
-    with processes(count) as pool:
-        handed = ((pool.submit(_outcomes, part), i * chunk) for i, part in enumerate(chunks))
+    head = list(islice(chunks, count))
+    if not head:
+        return
+    with processes(len(head)) as pool:  # no more than have something to do
+        parts = enumerate(chain(head, chunks))
+        handed = ((pool.submit(_outcomes, part), i * chunk) for i, part in parts)
         waiting = dict(islice(handed, AHEAD * count))
         while waiting:
             ready = next(iter(waiting) if ordered else as_completed(waiting))

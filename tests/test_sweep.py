@@ -152,6 +152,16 @@ def test_scenes_are_drawn_as_they_are_needed():
     found.close()
 
 
+@pytest.mark.parametrize(("count", "started"), [(0, []), (1, [1]), (65, [2])])
+def test_no_worker_is_started_that_has_nothing_to_do(count, started, monkeypatch):
+    """As many were started as were asked for, up to a thousand."""
+    counts = []
+    monkeypatch.setattr("coilspring.sweep.processes", lambda n: counts.append(n) or processes(n))
+    found = list(equivbeam.sweep(repeat(spring_a(), count), workers=4, steps=1))
+    assert [each.outcome for each in found] == ["completed"] * count
+    assert counts == started
+
+
 def test_sweeps_side_by_side():
     one, two = (equivbeam.sweep(repeat(spring_a()), workers=1, steps=steps) for steps in (1, 2))
     for a, b in islice(zip(one, two, strict=True), 70):
