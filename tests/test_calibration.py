@@ -377,7 +377,7 @@ def test_a_force_that_the_spring_does_not_reach(tmp_path, capsys):
         in capsys.readouterr().err
     )
     assert not [file for file in (tmp_path / "x").rglob("*") if file.suffix in (".json", ".toml", ".png")]
-    assert "what was reached is written by solve, compare, sweep and referee;" in EPILOG
+    assert "what was reached is written by solve, compare, sweep, referee and view;" in EPILOG
     assert main(["calibrate", "spring-b", "none.csv", "--fit", "axial", "--out", str(tmp_path / "x")]) == 2
     assert "curve must be a readable CSV file, got 'none.csv'" in capsys.readouterr().err
 

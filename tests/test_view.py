@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 import wirefe
-from coilspring import Load, spring_b
+from coilspring import Contact, Load, load_scene, scene_text, spring_b
 from validation.cli import main
 from validation.view import animation, frames, process
 from validation.view.process import Drawing
@@ -25,7 +25,7 @@ def run(tmp_path_factory):
 
 def test_the_series_is_the_path(run):
     """Times, shapes and forces of the run are those of the solved scene, behind a frame at rest."""
-    found, solved = frames.of_run(run), frames.of_scene(spring_b().with_steps(3))
+    found, solved = frames.of_run(run), frames.of_path(frames.solved(spring_b().with_steps(3)))
     np.testing.assert_allclose(found.times, [0.0, 1 / 3, 2 / 3, 1.0], rtol=1e-11)
     np.testing.assert_allclose(found.points, solved.points, atol=1e-9)
     np.testing.assert_allclose(found.forces, solved.forces, atol=1e-6)
@@ -52,7 +52,7 @@ def test_the_whole_wire_is_drawn(case):
     scene = replace(
         spring_b(), spring=spring, supports=supports, load=Load((0.0 if held else -3.0, -20.0), 2)
     )
-    found, path = frames.of_scene(scene), wirefe.solve(scene)
+    found, path = frames.of_path(frames.solved(scene)), wirefe.solve(scene)
     assert held or abs(path.tips[-1, 2]) > 0.02
     assert found.points.shape[:2] == found.forces.shape
     phases = np.linspace(*spring.phase_range, found.points.shape[1])
@@ -78,6 +78,26 @@ def test_a_movie_of_a_run(run, tmp_path, capsys):
     assert main(["view", str(run), "--movie", str(movie)]) == 0
     assert pictures(movie) == 4
     assert f"written to {movie}" in capsys.readouterr().out
+
+
+def test_a_path_that_ends_early_is_said_beside_what_is_shown_of_it(tmp_path, monkeypatch, capsys):
+    """As `solve` says it; a movie of a part was written without a word."""
+    monkeypatch.setattr(animation, "show", lambda load: load())
+    monkeypatch.setattr(animation, "require", lambda movie: None)
+    scene = replace(spring_b().with_steps(4), contact=Contact(geometry="spheres"))
+    file, movie = tmp_path / "own.toml", tmp_path / "own.gif"
+    file.write_text(scene_text(scene))
+    path = frames.solved(load_scene(file))
+    ending = f"wirefe: {path.outcome}, {len(path.times)} of 4 steps"
+    for options, done in (["--movie", str(movie)], "written"), ([], "shown"):
+        assert main(["view", str(file), *options]) == 3
+        said = capsys.readouterr()
+        assert said.out.splitlines() == [ending, *([f"written to {movie}"] if options else [])]
+        assert said.err == f"coilcheck: wirefe: {path.message}; what was reached is {done}\n"
+    assert pictures(movie) == 1 + len(path.times)
+    file.write_text(scene_text(scene.with_steps(1)))
+    assert main(["view", str(file)]) == 3
+    assert capsys.readouterr().err.startswith("coilcheck: spring-b has no step to show: ")
 
 
 @pytest.mark.slow
@@ -112,7 +132,7 @@ def test_a_movie_tells_how_far_it_is(run, tmp_path):
         ["drawing: 4 of 4 pictures", "writing the movie"],
     )
     told = []
-    frames.of_scene(spring_b().with_steps(1), told.append)
+    frames.solved(spring_b().with_steps(1), told.append)
     assert told == ["loading wirefe", "solving with wirefe"]
 
 

@@ -45,8 +45,8 @@ CAMPAIGN_RANGES = dict.fromkeys(("beams", "wires"), (0, 10_000_000))  # of the o
 CAMPAIGN_RANGES |= {"seed": (0, 2**32 - 1), "workers": WORKERS}
 STUDY_SCENES = (*CATALOGUE, "cylinder-lateral", "slender-axial")  # of workprecision
 EPILOG = """exit codes: 0 done; 1 something moved or is unexplained (regress, stability); 2 bad input;
-3 a path ended early, what was reached is written by solve, compare, sweep and referee; 4 nothing could be
-written there; 130 interrupted; 141 nobody reads the output any more (| head)
+3 a path ended early, what was reached is written by solve, compare, sweep, referee and view;
+4 nothing could be written there; 130 interrupted; 141 nobody reads the output any more (| head)
 
 example: coilcheck solve spring-a --model equivbeam"""
 

@@ -27,7 +27,16 @@ from validation.cli.arguments import (
     refuse_other_models,
     scene_of,
 )
-from validation.cli.terminal import announcing, deviation, digest, notes, progress_shown, say, warn
+from validation.cli.terminal import (
+    announcing,
+    deviation,
+    digest,
+    ended_early,
+    notes,
+    progress_shown,
+    say,
+    warn,
+)
 from validation.study import output
 from validation.study.files import OutputError, claimed, json_bytes, json_text, prepare
 from validation.study.partialsolve import EndedEarly, partial_path
@@ -261,7 +270,5 @@ def _concluded(arguments: argparse.Namespace, found: dict, lines: list[str], *pa
         for warning in found["warnings"]:
             warn(f"warning: {warning}")
         say(*lines)
-    missed = [f"{path.model}: {path.message}" for path in paths if path.outcome != "completed"]
-    if missed:
-        return _fail(NOT_COMPLETED, f"{'; '.join(missed)}; what was reached is written")
-    return COMPLETED
+    early = ended_early(*paths)
+    return _fail(NOT_COMPLETED, early) if early else COMPLETED

@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from coilspring import CATALOGUE, InputError, Scene, load_scene
+from coilspring import CATALOGUE, EquilibriumPath, InputError, Scene, load_scene
 from coilspring.errors import require_integer
 from coilspring.scene.profile import OTHER_DIAMETERS
 from coilspring.scene.toml import written_table
@@ -25,7 +25,7 @@ from validation.cli.arguments import (
     scene_of,
     scenes_of,
 )
-from validation.cli.terminal import announcing, left_out
+from validation.cli.terminal import announcing, ended_early, left_out, outcome_line
 from validation.study.files import ROOT, claimed, json_bytes, prepare, write_files, write_text, writing
 from validation.study.output import write_runs
 
@@ -302,14 +302,22 @@ def view(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Ans
     if movie is not None:
         prepare(movie.parent, movie)
 
+    paths: list[EquilibriumPath] = []  # that of a scene
+
     def load() -> frames.Frames:
-        return frames.of_scene(source, progress) if isinstance(source, Scene) else source
+        if not isinstance(source, Scene):
+            return source
+        paths.append(frames.solved(source, progress))
+        return frames.of_path(paths[0])
 
     if movie is None:
         animation.show(load)
-        return [], ""
-    remark = animation.film(load, movie, progress)
-    return [*([remark] if remark else []), f"written to {movie}"], ""
+        lines = []
+    else:
+        remark = animation.film(load, movie, progress)
+        lines = [*([remark] if remark else []), f"written to {movie}"]
+    early = ended_early(*paths, what_is_done="shown" if movie is None else "written")
+    return [*map(outcome_line, paths), *lines], early
 
 
 STUDIES = (reproduce, workprecision, sensitivity, sweep, regress, stability, study_law, calibrate)

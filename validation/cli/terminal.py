@@ -83,9 +83,20 @@ def announcing(progress: Callable[[str], None], model: str, scene: Scene) -> Cal
     return lambda text: progress(text if stored(kernels) else f"{text} {FIRST}")
 
 
+def outcome_line(path: EquilibriumPath) -> str:
+    """How a path ended, and after how many steps."""
+    return f"{path.model}: {path.outcome}, {len(path.times)} of {counted(path.scene.load.rows, 'step')}"
+
+
+def ended_early(*paths: EquilibriumPath, what_is_done: str = "written") -> str:
+    """Why paths ended early, in one sentence; empty where all are complete."""
+    missed = [f"{path.model}: {path.message}" for path in paths if path.outcome != "completed"]
+    return f"{'; '.join(missed)}; what was reached is {what_is_done}" if missed else ""
+
+
 def digest(path: EquilibriumPath) -> list[str]:
     """A path for a reader at the terminal."""
-    lines = [f"{path.model}: {path.outcome}, {len(path.times)} of {counted(path.scene.load.rows, 'step')}"]
+    lines = [outcome_line(path)]
     if len(path.times):
         ux, uy, rotz = path.tips[-1]
         force = f", axial force {path.loads[-1, 1]:.6g} N" if path.scene.load.displacement else ""

@@ -9,10 +9,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from coilspring import InputError, Scene, Spring
+from coilspring import EquilibriumPath, InputError, Scene, Spring
 from coilspring.scene.profile import TWO_PI
 from coilspring.scene.toml import scene_from_table
-from validation.study.partialsolve import partial_path
+from validation.study.partialsolve import EndedEarly, partial_path
 
 HINT = "make it with coilcheck solve SCENE --model wirefe --vtu-series"
 READ = ("displacement", "rotation", "pair_force")  # of a VTU file
@@ -34,19 +34,25 @@ class Frames:
         return np.flatnonzero(self.forces.max(axis=0) > 0.0)
 
 
-def of_scene(scene: Scene, progress: Callable[[str], None] = lambda line: None) -> Frames:
-    """Solve a scene with the wire model, as far as it goes."""
+def solved(scene: Scene, progress: Callable[[str], None] = lambda line: None) -> EquilibriumPath:
+    """Path of a scene by the wire model, as far as it goes; raises `EndedEarly` before the first step."""
     progress("loading wirefe")
     import wirefe
-    from wirefe.results.export import section_results
 
     progress("solving with wirefe")
     path = partial_path(wirefe.solve, scene)
     if len(path.times) == 0:
-        raise InputError(f"{scene.name} has no step to show: {path.message}")
+        raise EndedEarly(f"{scene.name} has no step to show: {path.message}")
+    return path
+
+
+def of_path(path: EquilibriumPath) -> Frames:
+    """Frames of a path of the wire model."""
+    from wirefe.results.export import section_results
+
     found = (section_results(path, step) for step in range(len(path.times)))
     steps = ((each.points, each.displacement, each.rotation, each.pair_force) for each in found)
-    return _frames(scene, path.times, steps)
+    return _frames(path.scene, path.times, steps)
 
 
 def of_run(folder: Path) -> Frames:
