@@ -83,6 +83,22 @@ def test_study(small, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
+    ("kept", "said"),
+    [(True, ": what is solved is kept; the same command goes on"), (False, "")],
+    ids=["with a store", "without"],
+)
+def test_an_interrupted_study_says_what_is_kept(kept, said, small, tmp_path, monkeypatch, capsys):
+    def interrupt(*given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(run, "_place", interrupt)
+    if not kept:
+        monkeypatch.setattr(run, "default_folder", lambda: None)
+    assert main(["study-law", str(PAPER), "--quick", "--out", str(tmp_path / "out")]) == 130
+    assert capsys.readouterr().err == f"coilcheck: interrupted{said}\n"
+
+
+@pytest.mark.parametrize(
     ("files", "said"),
     [
         (["law_paper.py", "law_paper.py"], "FILE.py must be files of different names, got law_paper twice"),

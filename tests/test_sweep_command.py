@@ -4,6 +4,7 @@ import csv
 import json
 import re
 import time
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -583,6 +584,23 @@ def test_a_sweep_says_where_the_one_before_is_kept(tmp_path, capsys):
         assert main(call) == 0
         said = f"the sweep that was there is kept in {tmp_path / 'sweep.1.csv'}"
         assert (said in capsys.readouterr().out) == (force == "-40")
+
+
+def test_an_interrupted_sweep_says_where_the_one_before_is_kept(tmp_path, monkeypatch, capsys):
+    """It was in sweep.1.csv without a word, then and later."""
+
+    def interrupt(text):
+        if text == "1 of 2 scenes":
+            raise KeyboardInterrupt
+
+    call = ["sweep", "spring-b", *ONE, "--out", str(tmp_path), "--vary"]
+    assert main([*call, "load.force.1=-20"]) == 0
+    monkeypatch.setattr("validation.cli.command.progress_shown", lambda: nullcontext(interrupt))
+    capsys.readouterr()
+    assert main([*call, "load.force.1=-30,-40"]) == 130
+    rows_there = f"1 of 2 rows are in {tmp_path / FILE}; the same command goes on"
+    kept = f"the sweep that was there is kept in {tmp_path / 'sweep.1.csv'}"
+    assert capsys.readouterr().err == f"coilcheck: interrupted: {rows_there}; {kept}\n"
 
 
 @pytest.mark.parametrize("workers", [-1, 1001])

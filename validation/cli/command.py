@@ -64,7 +64,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OutputError as error:
         return _fail(NOT_WRITTEN, str(error))
     except KeyboardInterrupt as stop:
-        return _fail(INTERRUPTED, ": ".join(("interrupted", *map(str, stop.args))))
+        said = "; ".join(map(str, stop.args))
+        return _fail(INTERRUPTED, f"interrupted: {said}" if said else "interrupted")
 
 
 def _fail(code: int, message: str) -> int:

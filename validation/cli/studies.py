@@ -230,12 +230,14 @@ def sweep(arguments: argparse.Namespace, folder: Path, progress: Progress) -> An
             points = found.grid
             lines.append(found.line)
             about |= {"accuracy": accuracy, "estimated_error": found.error, "sampled": found.sampled}
-        solver, kept = found.candidate if found else lambda scene: asked, run.kept_files(folder)
-        count = _counted(progress)
-        rows = run.sweep(folder, table, varied, points, solver, workers=workers, progress=count, about=about)
+        solver, count = found.candidate if found else lambda scene: asked, _counted(progress)
+        with run.kept_sweeps(folder) as kept:
+            rows = run.sweep(
+                folder, table, varied, points, solver, workers=workers, progress=count, about=about
+            )
         choices = [(point.scene, solver(point.scene)) for point in points if point.scene]
         run.write_picture(folder, rows, keys, scene, choices[0][1].model)
-        lines += [f"the sweep that was there is kept in {file}" for file in run.kept_files(folder) - kept]
+        lines += kept
     lines += run.digest(rows, keys)
     lines += dict.fromkeys(line for each, by in choices for line in left_out(each, by.model, by.options))
     return [*lines, f"written to {folder}"], run.ended_early(rows)

@@ -52,11 +52,26 @@ def study_law(
         raise InputError(f"law {law.name} must come from a file: its content is part of every key")
     prepare(out)
     store = Store(default_folder())
+    with store.kept_if_interrupted():
+        parts = _parts(law, store, progress, quick)
+        progress("drawing")
+        data = {name: pd.DataFrame(rows) for name, rows in parts.items()}
+        data["springs"] = springs.frame(parts["springs"])
+        files, summary = page.files(law, data)
+        write_files({FILE: to_csv(table(data), digits=5)} | files, out)
+        file = Path(law.source[0])
+        name = file.name if file.is_absolute() else file.as_posix()
+        write_provenance(f"coilcheck study-law {name}{' --quick' if quick else ''}", out, law=str(law))
+    return summary
+
+
+def _parts(law: UserLaw, store: Store, progress: Progress, quick: bool) -> dict[str, Rows]:
+    """Rows of all parts of a study."""
     extent, count = QUICK if quick else (springs.Extent(), SAMPLED)
     paths = PathStore(progress, store)
     paths.make_ready()
     progress("derivatives and limits")
-    parts: dict[str, Rows] = {
+    return {
         "derivatives": checks.derivatives(law),
         "limits": checks.limits(law),
         "half coil": checks.holds(law),
@@ -65,15 +80,6 @@ def study_law(
         "springs": _springs(law, store, extent, progress),
         "stability": _stability(law, store, count, progress),
     }
-    progress("drawing")
-    data = {name: pd.DataFrame(rows) for name, rows in parts.items()}
-    data["springs"] = springs.frame(parts["springs"])
-    files, summary = page.files(law, data)
-    write_files({FILE: to_csv(table(data), digits=5)} | files, out)
-    file = Path(law.source[0])
-    name = file.name if file.is_absolute() else file.as_posix()
-    write_provenance(f"coilcheck study-law {name}{' --quick' if quick else ''}", out, law=str(law))
-    return summary
 
 
 def tried(file: str | Path) -> UserLaw:

@@ -7,8 +7,8 @@ import hashlib
 import io
 import os
 import zipfile
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,6 +78,15 @@ class Store:
                 self._trim(self.folder)
         except OutputError as error:
             self.trouble = f"nothing is kept for the next time: {error}"
+
+    @contextmanager
+    def kept_if_interrupted(self) -> Iterator[None]:
+        """Say of a block that was interrupted that what it has put here is kept, where that is so."""
+        try:
+            yield
+        except KeyboardInterrupt as stop:
+            said = () if self.trouble else ("what is solved is kept; the same command goes on",)
+            raise KeyboardInterrupt(*stop.args, *said) from None
 
     def _trim(self, folder: Path) -> None:
         """Remove the least recently used, and what writers that were killed have left."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import import_module
@@ -173,6 +174,23 @@ def _keep(folder: Path) -> None:
 def kept_files(folder: Path) -> set[Path]:
     """Files of earlier sweeps in a folder, which later ones have not overwritten."""
     return set(folder.glob(f"{Path(FILE).stem}.*.csv"))
+
+
+@contextmanager
+def kept_sweeps(folder: Path) -> Iterator[list[str]]:
+    """Lines on the files that a block has kept of earlier sweeps: there as it ends, and said where it is
+    interrupted."""
+    before = kept_files(folder)
+    lines: list[str] = []
+    try:
+        yield lines
+    except KeyboardInterrupt as stop:
+        raise KeyboardInterrupt(*stop.args, *_kept_since(folder, before)) from None
+    lines += _kept_since(folder, before)
+
+
+def _kept_since(folder: Path, before: set[Path]) -> list[str]:
+    return [f"the sweep that was there is kept in {file}" for file in kept_files(folder) - before]
 
 
 def _ordered(
