@@ -289,6 +289,7 @@ def test_compare_with_nothing_in_common_says_null(tmp_path, capsys):
         ("solve spring-a --model equivbeam --steps 0", ["--steps must", "[1, 100000]", "0"]),
         ("solve spring-a --model equivbeam --steps -5", ["--steps must", "[1, 100000]", "-5"]),
         ("solve spring-a --model equivbeam --steps 2.5", ["--steps must", "integer in [1, 100000]", "2.5"]),
+        ("solve spring-a --model equivbeam --steps 1_0", ["--steps must", "integer in [1, 100000]", "'1_0'"]),
         ("solve spring-a --model equivbeam --steps ten", ["--steps must", "integer in [1, 100000]", "'ten'"]),
         ("solve spring-a --model equivbeam --penalty 0", ["--penalty must", "[1e-09, 1e+12]", "0"]),
         ("solve spring-a --model equivbeam --penalty nan", ["--penalty must", "[1e-09, 1e+12]", "nan"]),

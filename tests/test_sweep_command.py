@@ -91,6 +91,7 @@ def test_an_item_of_a_list_and_of_a_table():
         ("spring.wire_diameter", "must be KEY=FIRST:LAST:COUNT or KEY=VALUE,VALUE,..."),
         ("spring.wire_diameter=1:2", "a range must be FIRST:LAST:COUNT, three numbers, as 1.2:1.8:7"),
         ("spring.wire_diameter=1:nan:2", "a range must be FIRST:LAST:COUNT, three numbers"),
+        ("spring.wire_diameter=1_2:2:3", "a range must be FIRST:LAST:COUNT, three numbers"),
         ("spring.wire_diameter=1:2:1", "the COUNT of a range must be an integer in [2, 100000], got 1"),
         ("load.force.1=-3,-4,-3.0", "values must be different, got -3 more than once"),
         ("load.force.1=-3:-3:3", "values must be different, got -3 more than once"),
@@ -286,6 +287,7 @@ def test_where_no_scene_can_be_solved_the_first_reason_is_said(tmp_path, capsys)
     ("vary", "reason"),
     [
         ("contact.friction=0.1,0.2", "contact.friction goes with contact.sliding"),
+        ("spring.wire_diameter=1_9", "spring.wire_diameter must be a number in [1e-06, 1e+06], got '1_9'"),
         ("contact.exponent=0.5,9", "contact.exponent must be a finite number in [1, 5], got 0.5"),
     ],
 )

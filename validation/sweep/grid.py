@@ -126,6 +126,8 @@ def _values(text: str) -> tuple[Any, ...]:
 
 def number_of(text: str) -> int | float | str:
     """The number that `text` says; else the text, for the library to refuse with the range."""
+    if "_" in text:  # Python reads 1_9 as 19, where 1.9 may be meant
+        return text
     for kind in (int, float):
         with suppress(ValueError):
             return kind(text)
