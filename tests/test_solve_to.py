@@ -585,8 +585,9 @@ def test_a_scene_without_a_mesh_leaves_the_others_of_its_grid(tmp_path, capsys):
 def test_where_there_is_no_reference_the_scene_is_said_and_what_was_asked_for(monkeypatch):
     found, solved = chosen_of(1e-4, monkeypatch)
     least, error = re.fullmatch(
-        r"accuracy must be at least (\S+) on this grid, got 0\.0001: the wire model's own error for the "
-        r"scene with load\.force\.1 = -8 is (\S+) or more \(with 16 elements per turn\), and counts 2 times",
+        r"accuracy must be at least (\S+) on this grid, got 0\.0001: for the scene with load\.force\.1 = "
+        r"-8 the error of the reference, solved by the wire model, is (\S+) or more \(with 16 elements per "
+        r"turn\); the accuracy must be at least 2 times that error",
         found,
     ).groups()
     assert float(least) == pytest.approx(2.0 * float(error), rel=0.1)

@@ -96,10 +96,9 @@ def _reference(point: Point, varied: Sequence[Varied], accuracy: float) -> Equil
         raise InputError(f"{refused}, {where} of the grid") from None
     known = "is not known"
     if error < math.inf:
-        known = f"is {error:.2g} or more ({why}), and counts {MARGIN:g} times"
-    raise InputError(
-        f"{_refused(accuracy, error)}, got {accuracy:g}: the wire model's own error {where} {known}"
-    )
+        known = f"is {error:.2g} or more ({why}); the accuracy must be at least {MARGIN:g} times that error"
+    reference = f"{where} the error of the reference, solved by the wire model, {known}"
+    raise InputError(f"{_refused(accuracy, error)}, got {accuracy:g}: {reference}")
 
 
 def _refused(accuracy: float, error: float) -> str:
