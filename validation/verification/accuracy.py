@@ -12,6 +12,7 @@ from coilspring.scene.wire import SHEAR_FACTOR
 from validation.study import template
 from validation.study.files import write_facts, write_text
 from validation.verification import rodcases, springcases
+from validation.verification.case import KINDS, SMALL
 
 PAGE, RECORD = Path("docs/validation.md"), Path("reports/verification")
 FEWEST = "4 curved elements per turn; UX, UY, ROTZ"
@@ -48,7 +49,7 @@ def numbers(values: Iterable[float]) -> str:
 
 
 WORDS = template.template(Path(__file__).with_name("accuracy.md"), [rod, solid, goehner, numbers])
-WORDS.globals.update(shear_factor=SHEAR_FACTOR, rings=EXACT_RING, spring_a=SPRING_A)
+WORDS.globals.update(kinds=KINDS, small=SMALL, shear_factor=SHEAR_FACTOR, rings=EXACT_RING, spring_a=SPRING_A)
 
 
 def write_page(path: Path, record: Path) -> bool:
@@ -59,7 +60,8 @@ def write_page(path: Path, record: Path) -> bool:
     write_text(path, template.page(WORDS, checks=found))
     fewest = [check["error"] for check in rods if FEWEST in check["data"]]
     failed = sum(not check["passed"] for check in found)
-    write_facts({"checks": len(found), "failed": failed, "curved": max(fewest)}, record)
+    counts = {kind: sum(check["kind"] == kind for check in found) for kind in KINDS}
+    write_facts({"checks": len(found), "failed": failed, "curved": max(fewest)} | counts, record)
     return not failed
 
 
