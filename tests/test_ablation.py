@@ -8,6 +8,7 @@ import pytest
 
 from coilspring import spring_a, spring_b
 from equivbeam import Refinements
+from equivbeam.laws.helix import L0, helix_response, helix_rows
 from validation.verification import ablation
 from validation.verification.ablation import FOUR, Cases, tables
 
@@ -33,6 +34,33 @@ def test_refinements_come_one_after_the_other_and_go_alone(counted):
     found = {row: value for table, row, value in numbers if table == "reference with"}
     assert 0.0 < found["8 elements per turn"] < found["twice the pairs per turn"] < 1.0
     assert not [row for table, row, _ in numbers if table == "outside"]  # Spring A's coils slide
+
+
+@pytest.mark.parametrize("switch", [*ablation.STAGES][1:])
+def test_what_goes_with_large_deformation(switch):
+    """Without it a half coil that is pressed along its axis answers the same with the others and without."""
+
+    def answers(**on):
+        rows = helix_rows(spring_b().spring, spring_b().material, Refinements(**({"ends": False} | on)))
+        found = [helix_response(rows, i, 0.9 * rows[i, L0], 0.0, 0.0) for i in range(len(rows))]
+        return np.array([(each.N, each.N_l, each.N_v, each.N_m) for each in found])
+
+    assert np.array_equal(*(answers(large=False, **{switch: on}) for on in (False, True)))
+    same = np.allclose(*(answers(**{switch: on}) for on in (False, True)), rtol=1e-9)
+    assert same == (switch not in ablation.GROUP)
+
+
+def test_a_group_is_no_single_refinement():
+    """However bad the law is without it; its row says what it is."""
+    four = pd.read_csv(FOUR)
+    case = "Spring B w/o contacts"
+    assert Cases(four).law(case, "large") > 2.0 * Cases(four).law(case)
+    assert Cases(four).needed(case) == "`held`, `shear`"
+    assert "without `large` and its group" in [row[0] for row in tables(four)["law"].rows]
+    springs = pd.read_csv(ablation.randomsprings.CSV)
+    assert "Without `large` and its group the error is 0.11 and 2.56 %" in ablation.page(four, springs)
+    four.loc[(four["row"] == "without `held`") & (four["case"] == case), "value"] = 0.2
+    assert "on Spring B for `shear`." in ablation.page(four, springs)
 
 
 def test_every_refinement_has_a_switch():
