@@ -257,10 +257,18 @@ def test_page_says_what_was_found():
     def said(block, **changed):
         return template.statement(page.WORDS, block, facts | changed)
 
-    for block in ("stands", "coils_hold", "rates"):
+    for block in ("stands", "coils_hold", "large", "rates"):
         assert said(block) in page_text
     assert "not within 0.3 %" in said("coils_hold", axial=0.31)
     assert "does not fall" in said("coils_hold", **{"others.long": 1.0})
+    assert "0.30 % on 3 coils and 0.50 % on 6" in said("coils_hold", **{"mesh.long": 0.5})
+    assert "not ranked: helix law, solid; wire model, solid. The others" in said("large")
+    mesh = "large.spring-b-no-contact.solids.coarse"
+    assert "by 0.95 % from" in said("large", **{mesh: 0.95})
+    assert "wire model, solid; paper's law, beam. The others" in said("large", **{mesh: 0.95})
+    assert "not ranked: none. The others are off by 0.02 % (helix law" in said(
+        "large", **{mesh: 0.01}
+    )
     assert "is farther" in said("rates", **{"rate.beam": 0.4})
     worse = {f"standing.spring-{each}-no-contact.helix law.solid": 9.0 for each in "ab"}
     assert "is nearer on neither: Spring A 9.00 %" in said("stands", **worse)

@@ -235,7 +235,7 @@ WORDS = [
     (
         "findings.exact",
         {"verification: failed": 1},
-        "misses some of its targets on rods and springs:** 39 of 40",
+        "misses some of its targets on rods and springs:** 39",
     ),
     ("findings.exact", {"verification: own": 25}, "of this project's own shooting solver 25"),
     ("findings.phase", {BETWEEN: 0.1}, "but 0.100 % off at an eighth of a turn"),

@@ -18,8 +18,9 @@ from coilspring.scene.sizing import wahl_factor
 from coilspring.scene.solidwire import coil_section, half_ring, inner_stress_factor
 from coilspring.scene.wire import round_section
 from validation.solid.comparison import COILS as COILS_RUN
-from validation.solid.comparison import DIRECTIONS, KINDS, SOLVERS, solved
-from validation.solid.runs import FOLDER
+from validation.solid.comparison import DIRECTIONS, KINDS, SOLVERS, TITLES, solved
+from validation.solid.hexahedra import COARSE, MIDDLE
+from validation.solid.runs import FOLDER, SCENES
 from validation.study import template
 from validation.study.files import write_facts, write_text
 from validation.study.frames import Format, frame_table, read_csv, write_csv
@@ -27,8 +28,6 @@ from validation.study.partialsolve import ending
 
 INDICES = (3.0, 4.0, 5.0, 20.0 / 3.0, 8.0, 10.0, 15.0)
 SIGNED, PERCENT = "{:+.2f}".format, "{:.2f}".format
-WORDS = template.template(Path(__file__).with_name("page.md"))
-WORDS.globals.update(catalogue=list(CATALOGUE), directions=DIRECTIONS)
 
 
 def ring_table() -> pd.DataFrame:
@@ -75,6 +74,7 @@ def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> d
         "beam.axial": coils.loc[axial, "beam"].abs().max(),
         "beam.others": coils.loc[~axial, "beam"].abs().max(),
         "mesh": coils["mesh"].abs().max(),
+        "mesh.long": long["mesh"].abs().max(),
         "coils": coils["coils"].iloc[0],
         "index": long["index"].iloc[0],
         "long": long["coils"].iloc[0],
@@ -90,19 +90,41 @@ def numbers(coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> d
     return numbers | {"indices": sorted(map(float, coils["index"].unique()))}
 
 
+def solids_error(facts: Mapping[str, Any]) -> float:
+    """What the solids in large deflection change from the coarse to the finer mesh, %."""
+    return max(facts[f"large.{scene}.solids.coarse"] for scene in SCENES)
+
+
+def ranked(facts: Mapping[str, Any], told: bool) -> list[tuple[str, float]]:
+    """Models with their difference from the finer solids, %: by more than `solids_error` or others."""
+    own, found = solids_error(facts), []
+    for scene, model, kind in product(SCENES, TITLES, KINDS):
+        off = facts[f"large.{scene}.{model}.{kind}"]
+        if (off > own) == told:
+            found.append((f"{model}, {kind}", off))
+    return sorted(found, key=lambda pair: pair[1])
+
+
+WORDS = template.template(Path(__file__).with_name("page.md"), [solids_error, ranked])
+WORDS.globals.update(catalogue=list(CATALOGUE), directions=DIRECTIONS, meshes=(COARSE, MIDDLE))
+
+
 def page(facts: Mapping[str, Any], coils: pd.DataFrame, moved: pd.DataFrame, stands: pd.DataFrame) -> str:
     """The page as Markdown."""
     ring, factors = ring_table(), pd.DataFrame({"index": INDICES})
     factors["3D elasticity"] = factors["index"].map(inner_stress_factor)
     factors["Wahl"] = factors["index"].map(wahl_factor)
     factors["Wahl off (%)"] = 100.0 * (factors["Wahl"] / factors["3D elasticity"] - 1.0)
+    own = solids_error(facts)
+    below = (moved["off"] <= own) & (moved["model"] != "solids")
+    off = moved["off"].map(PERCENT).mask(below, f"below {own:.2f}")
     fixed: dict[str, Format] = dict.fromkeys(("3D elasticity", "Wahl"), "{:.4f}")
     return template.page(
         WORDS,
         f=facts,
         stands=stands.fillna({"ending": ""}),
         coils=coils,
-        moved=frame_table(moved, dict.fromkeys(COMPONENTS, "{:.4f}") | {"off": PERCENT}),
+        moved=frame_table(moved.assign(off=off), dict.fromkeys(COMPONENTS, "{:.4f}")),
         ring=frame_table(ring, {name: PERCENT if "share" in name else SIGNED for name in ring.columns[1:]}),
         stress=frame_table(factors, fixed | {"index": "{:.3g}", "Wahl off (%)": SIGNED}),
     )
