@@ -20,6 +20,8 @@ from coilspring.curves import compare_paths
 from coilspring.scene.toml import scene_from_text
 from validation.cli import main
 from validation.cli.command import COMMANDS
+from validation.study.template import significant
+from validation.verification.randompage import classified, errors
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -109,10 +111,25 @@ def test_the_table_of_models_says_what_is_recorded():
     beams = pd.concat(runs.query(MODELS[model][0]) for model in MODELS if model.startswith("equivbeam"))
     counts = " ".join(README.split())
     assert f"A load curve of 50 steps takes {span(1000 * beams['seconds'])} ms (six springs" in counts
-    assert "{} springs without contact and {} on which more than three".format(*map(len, classes)) in counts
+    assert f"{len(classes[0])} springs have no contact." in counts
     touching = int(springs["contact"].sum())
-    assert f"The other {touching - len(classes[1])} of {touching} with contact close fewer." in counts
+    assert f"Of {touching} with contact, {len(classes[1])} close more than three pairs and are in" in counts
+    worst = errors(classified(springs), "helix_worst", 2, 3, kind="^(?!guided, )")
+    median, high = significant(worst.median()), significant(worst.quantile(0.95))
+    assert f"worst component is off by {median} % in the median and {high} % at the 95th percentile" in counts
     assert "error, random springs with more than 3 closed pairs (%)" in counts
+
+
+def test_elements_for_forces_of_pairs():
+    """The numbers of the page on contact."""
+    page = (ROOT / "docs/contact.md").read_text(encoding="utf-8")
+    sentence = r"With (\d+) elements per turn the largest force of a pair deviates by up to (\S+) % "
+    sentence += r"for wires and (\S+) %"
+    found = {elements: rest for elements, *rest in re.findall(sentence, page)}
+    (few, spheres), (more, _) = found["4"], found["16"]
+    said = f"with 4 curved elements per turn the largest is off by up to {few} %, with 16 by {more} %"
+    assert said in " ".join(README.split())
+    assert float(spheres) < 0.01
 
 
 def span(values):
