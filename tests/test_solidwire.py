@@ -266,9 +266,7 @@ def test_page_says_what_was_found():
     mesh = "large.spring-b-no-contact.solids.coarse"
     assert "by 0.95 % from" in said("large", **{mesh: 0.95})
     assert "wire model, solid; paper's law, beam. The others" in said("large", **{mesh: 0.95})
-    assert "not ranked: none. The others are off by 0.02 % (helix law" in said(
-        "large", **{mesh: 0.01}
-    )
+    assert "not ranked: none. The others are off by 0.02 % (helix law" in said("large", **{mesh: 0.01})
     assert "is farther" in said("rates", **{"rate.beam": 0.4})
     worse = {f"standing.spring-{each}-no-contact.helix law.solid": 9.0 for each in "ab"}
     assert "is nearer on neither: Spring A 9.00 %" in said("stands", **worse)
