@@ -60,7 +60,7 @@ SCALES = {
 }
 OTHER_UNITS = ("tiny", "huge")  # whose penalties say nothing beside the others'
 OTHER_FORCES = "by other forces as well"  # in the message of a path that says so
-FEWEST = 3  # scenes of a cell that is coloured
+FEWEST = 20  # scenes of a cell that is coloured: of fewer the share says little
 DARK, NO_DATA = 30.0, "#dcdcdc"  # %: numbers on darker cells are white; cells without data
 SHARE, COUNT = 5.5, 4.5  # pt
 LEVELS = np.linspace(0.0, 50.0, 11)  # %: a colour between each two

@@ -61,7 +61,7 @@ def tip_figure(data: pd.DataFrame) -> Figure:
             _name(axes, tag, load, beam, upper=(tag == "contact") == (beam[-1] < 0.0))
             below.plot(load, 1e3 * _farther(beam, wire), **DIFFERENCES[tag])
         axes.set(ylabel=label, xlim=(0.0, load[-1]), title=f"({letter}) {label.split()[0]}")
-        below.set(xlabel="load |F| (N)", ylabel=f"beam farther\nby ({THOUSANDTHS[label.split()[1]]})")
+        below.set(xlabel="load |F| (N)", ylabel=f"|beam| − |wire|\n({THOUSANDTHS[label.split()[1]]})")
         below.axhline(0.0, color="black", linewidth=0.5)
     _add_key(figure)
     return figure
@@ -79,7 +79,7 @@ def load_figure(data: pd.DataFrame) -> Figure:
         right.plot(load, _farther(beam, wire), **DIFFERENCES[tag])
     left.set(xlabel="deflection −UY (mm)", ylabel="load |Fy| (N)", title="(a) Load and deflection")
     left.set(xlim=(0.0, -data.filter(like="uy_mm").to_numpy().min()), ylim=(0.0, load[-1]))
-    right.set(xlabel="load |Fy| (N)", ylabel="beam farther by (mm)", title="(b) Difference of the models")
+    right.set(xlabel="load |Fy| (N)", ylabel="|beam| − |wire| (mm)", title="(b) Difference of the models")
     right.set(xlim=(0.0, load[-1]))
     right.axhline(0.0, color="black", linewidth=0.5)
     _add_key(figure)
