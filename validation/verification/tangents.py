@@ -10,6 +10,7 @@ from coilspring import CATALOGUE, EquilibriumPath, Scene, load_scene
 from validation.study import template
 from validation.study.files import write_facts, write_text
 from validation.study.frames import frame_table
+from validation.study.machine import machine
 from validation.study.partialsolve import partial_path
 from validation.study.timing import interleaved
 
@@ -70,7 +71,7 @@ def ends(steps: pd.DataFrame) -> dict[str, int]:
 def page(fifty: pd.DataFrame, steps: pd.DataFrame) -> str:
     """The page, a view of the runs."""
     table = frame_table(fifty, {"CPU, ms": "{:.2f}", "over exact": "{:.1f}"})
-    return template.page(WORDS, f=ends(steps), fifty=table, steps=frame_table(steps))
+    return template.page(WORDS, f=ends(steps), fifty=table, steps=frame_table(steps), on=machine())
 
 
 if __name__ == "__main__":
