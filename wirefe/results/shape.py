@@ -28,7 +28,7 @@ from wirefe.mesh import WireMesh
 from wirefe.model import WireModel, matrix_size
 from wirefe.results.stress import largest_stresses
 
-END_POINTS = 64  # of a rigid end turn, compared with the plane of the other end
+END_POINTS = 32  # of a rigid end turn, compared with the plane of the other end
 
 
 def contact_vectors(contact: ContactArrays, states: np.ndarray) -> np.ndarray:
@@ -120,22 +120,27 @@ class WireShape(PairReader):
     def beyond_ends(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire is beyond the planes of the ends, (states,), mm; see `coilspring.path.Shape`.
 
-        Nodes, and rigid end turns, each at the other end.
+        Its nodes, and rigid end turns, each at the other end: there they come where the top tilts alone.
         """
         nodes, (low, high) = rows(states), self.scene.spring.tips
-        axis = turned_rows(nodes[:, -1, 3:], np.array([0.0, 1.0, 0.0]))
-        bottom, top = np.split(stations_in(states, *self._rigid_ends)[0], 2, axis=1)
-        lowest, highest = (np.concatenate((nodes[:, :-1, :3], end), axis=1) for end in (top, bottom))
-        above = ((highest - nodes[:, -1:, :3]) * axis[:, None]).sum(axis=-1)
-        return np.maximum(low - lowest[..., 1].min(axis=1), above.max(axis=1) - high)
+        place, turn, wire = nodes[:, -1:, :3], nodes[:, -1:, 3:], nodes[:, :-1, :3]
+        normal = turned_rows(turn, np.array([0.0, 1.0, 0.0]))
+        below = low - wire[..., 1].min(axis=1)
+        above = ((wire - place) * normal).sum(axis=-1).max(axis=1) - high
+        if "rotz" not in self.scene.supports.top_held:
+            bottom, arms = self._rigid_ends
+            below = np.maximum(below, low - (place + turned_rows(turn, arms))[..., 1].min(axis=1))
+            above = np.maximum(above, ((bottom - place) * normal).sum(axis=-1).max(axis=1) - high)
+        return np.maximum(below, above)
 
     @cached_property
     def _rigid_ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Nodes and parts of points of the wire below its first node, and of as many above its last."""
+        """Points at rest of the wire below its first node, and arms to those above its last, (points, 3)."""
         spring, phases = self.scene.spring, self.mesh.phases
         first, last = spring.phase_range
-        below, above = np.linspace((first, phases[-1]), (phases[0], last), END_POINTS, axis=1)
-        return carried(spring, self.mesh, np.concatenate((below, above)))
+        beyond = np.linspace((first, phases[-1]), (phases[0], last), END_POINTS, axis=1)
+        below, above = np.split(spring.points(beyond.ravel()), 2)
+        return below, above - self.mesh.reference
 
     @property
     def size(self) -> int:
