@@ -262,6 +262,13 @@ def test_critical_time_elsewhere_is_caught(share):
     assert verdict.complaints
 
 
+def test_a_critical_time_is_confirmed_from_near_where_another_point_is_found_from_farther_before():
+    """A driven cone sways just before its limit point; from 4e-5 before the softest mode leads elsewhere."""
+    row = run.verified("b004866", 1401)
+    assert (row["class"], row["reason"]) == ("limit_point", "")
+    assert float(row["confirmed"]) < 1e-6
+
+
 def test_path_beyond_its_critical_time_is_caught():
     case = soft_b()
     path = reached(case)

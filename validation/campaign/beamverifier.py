@@ -71,19 +71,23 @@ def verify_critical(verdict: Verdict, energy: BeamEnergy, case: Case, path: Equi
     assert path.critical_bracket is not None
     if len(path.times) and path.times[-1] > critical + path.critical_bracket:
         verdict.complain(f"continued to time {path.times[-1]:.6g} past the critical {critical:.6g}")
-    for share in BEFORE:
+    offsets: list[float] = []
+    for share in BEFORE:  # from too far before, the softest mode may lead to another critical point
         paths = runs.just_before(verdict, case, path, [share])
         if not paths:
-            return
+            break
         state, time = paths[0].states[-1], critical * (1.0 - share)
         verify_state(verdict, energy, state, time, runs.force_grain(paths[0]))
         found = bracket(energy, state, time, critical)
         if found is not None:
-            verdict.ask("confirmed", found.offset(critical), runs.LOAD, "eigenvalue changes sign elsewhere")
-            return
-    if opens_there(energy, path):
+            offsets.append(found.offset(critical))
+            if offsets[-1] <= runs.LOAD:
+                break
+    if offsets:
+        verdict.ask("confirmed", min(offsets), runs.LOAD, "eigenvalue changes sign elsewhere")
+    elif paths and opens_there(energy, path):
         verdict.numbers["confirmed"] = path.critical_bracket / critical
-    else:
+    elif paths:
         verdict.complain(f"no eigenvalue changes sign near the critical time {critical:.6g}")
 
 
