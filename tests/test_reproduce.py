@@ -192,7 +192,7 @@ def test_what_was_solved_before_an_interrupt_is_not_solved_again(tmp_path, solve
         if line.startswith("solve ") and len(solved) == 3:
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(KeyboardInterrupt, match="what is solved is kept; the same command goes on"):
         reproduction.reproduce(tmp_path, only=("fig8",), render=False, progress=progress)
     reproduction.reproduce(tmp_path, only=("fig8",), render=False)
     assert len(solved) == len(set(solved)) == 8

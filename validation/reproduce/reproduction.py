@@ -67,15 +67,16 @@ def reproduce(
         require_extra()
     out = Path(out)
     prepare(out)
-    with ExitStack() as cleanup:
-        run = _Run(out, Store(default_folder()), render, progress, time, cleanup)
+    store = Store(default_folder())
+    with store.kept_if_interrupted(), ExitStack() as cleanup:
+        run = _Run(out, store, render, progress, time, cleanup)
         if turned:
             run.turn()
         for name in (*names, REPORT) if only is None else names:
             progress(name)
             run.provide(name)
         run.finish()
-    said = [*run.remarks, *([run.store.trouble] if run.store.trouble else [])]
+    said = [*run.remarks, *([store.trouble] if store.trouble else [])]
     if only is None:
         with writing(out):
             verdict = re.search(r"\*\*(.+?)\*\*", (out / PAGE).read_text(encoding="utf-8"))
