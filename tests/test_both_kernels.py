@@ -7,7 +7,16 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import Contact, Spring, Supports, spring_a, spring_b
+from coilspring import (
+    Contact,
+    EquilibriumNotFound,
+    Load,
+    Scene,
+    Spring,
+    Supports,
+    spring_a,
+    spring_b,
+)
 from coilspring.compiling.packing import pack
 from coilspring.solver.body import body_of, softest
 from coilspring.solver.outcome import SOFT
@@ -48,7 +57,7 @@ def test_the_softest_mode_at_rest_is_as_stiff_as_at_rest(model, held):
     )
     kernels, problem = kernels_of(model, scene)
     body = body_of(problem, kernels)
-    share, _ = softest(body, problem.start, problem.history, problem.start)
+    share, _, _ = softest(body, problem.start, problem.history, problem.start, problem.load)
     assert share == pytest.approx(1.0, rel=1e-5)
 
 
@@ -60,9 +69,36 @@ def test_the_softest_mode_has_no_units():
         assert path.outcome == "limit_point"
         kernels, problem = kernels_of("equivbeam", path.scene)
         body = body_of(problem, kernels)
-        shares.append(softest(body, path.last_state, problem.history, problem.start)[0])
+        shares.append(softest(body, path.last_state, problem.history, problem.start, problem.load)[0])
     assert shares[1] == pytest.approx(shares[0], rel=0.01)
     assert abs(shares[0]) < 0.01 * SOFT
+
+
+@pytest.mark.parametrize(
+    ("held", "displacement", "outcome"), [((), -16.9, "limit_point"), (("ux", "rotz"), -8.0, "bifurcation")]
+)
+def test_what_ends_a_prescribed_displacement_has_no_units(held, displacement, outcome):
+    """A limit point of a spring four times as large, or of harder coils, was called a bifurcation."""
+    free = Spring(3.0, 33.4, 3.5, 20.4, end_turns=0.0, ends="open", wire_rigidity="solid")
+    column = Spring(0.5, 3.0, 15.0, 20.0)
+    scene = Scene(
+        "end",
+        column if held else free,
+        Load(displacement=(displacement,), steps=1),
+        supports=Supports(held),
+        contact=Contact(stiffness=3e4),
+    )
+    ends = []
+    for changed in (
+        scene,
+        *(in_units(scene, size, size**2) for size in (1 / 64, 64.0)),
+        scene.with_penalty(3e6),
+    ):
+        with pytest.raises(EquilibriumNotFound) as found:
+            equivbeam.solve(changed)
+        ends.append((found.value.path.outcome, found.value.path.critical_time))
+    assert [name for name, _ in ends] == [outcome] * 4
+    np.testing.assert_allclose([time for _, time in ends], ends[0][1], rtol=1e-4)
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -8,7 +8,7 @@ from coilspring.compiling.packing import pack
 from coilspring.solver.equilibrium import operations
 from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem
-from coilspring.solver.system import PLACE, System
+from coilspring.solver.system import DOF, System
 
 INVERSE_ITERATIONS = 30
 DIFFERENCE = 1e-6  # of the span of the state's numbers, with which a difference is taken
@@ -42,19 +42,20 @@ class Body(NamedTuple):
         operations.assembled(self.system, state, least_gap, history, state, g, np.empty(0))
         return g
 
-    def pull(self, state: np.ndarray, history: np.ndarray) -> np.ndarray:
-        """What the prescribed number of the state, as it moves, pulls at the degrees of freedom."""
-        size, ends = DIFFERENCE * float(np.ptp(state)), []
-        for sign in (1.0, -1.0):
-            moved = state.copy()
-            moved[int(self.system.prescribed[PLACE])] += sign * size
-            ends.append(self.gradient(moved, history))
-        return (ends[1] - ends[0]) / (2.0 * size)
+    def stiffness(self, state: np.ndarray, history: np.ndarray, mode: np.ndarray) -> np.ndarray:
+        """Forces that a motion takes at `state`, contact left out, by differences of gradients."""
+        size = DIFFERENCE * float(np.ptp(state)) / float(np.abs(mode).max())
+        ahead, back = (
+            self.gradient(self.moved(state, step), history, np.inf) for step in (size * mode, -size * mode)
+        )
+        return (ahead - back) / (2.0 * size)
 
-    def factored(self, state: np.ndarray, history: np.ndarray) -> tuple[np.ndarray, int]:
-        """Factor of the matrix at `state`, and its negative pivots."""
+    def factored(
+        self, state: np.ndarray, history: np.ndarray, least_gap: float = 0.0
+    ) -> tuple[np.ndarray, int]:
+        """Factor of the matrix at `state`, and its negative pivots; `least_gap` as of `gradient`."""
         H = np.empty(self.matrix_size)
-        operations.assembled(self.system, state, 0.0, history, state, np.empty(self.dofs), H)
+        operations.assembled(self.system, state, least_gap, history, state, np.empty(self.dofs), H)
         negative, _ = operations.factored(self.system, H)
         return H, negative
 
@@ -72,26 +73,36 @@ def body_of(problem: Problem, kernels: Kernels) -> Body:
 
 
 def softest(
-    body: Body, state: np.ndarray, history: np.ndarray, start: np.ndarray
-) -> tuple[float, np.ndarray]:
-    """Softest mode (dofs,) of the matrix at `state`, by inverse iteration, and its stiffness over that of
-    the same motion at `start` (at rest, or where a stage of loads began), contact left out: a number without
-    units, 0 at a critical point."""
+    body: Body, state: np.ndarray, history: np.ndarray, start: np.ndarray, load: np.ndarray
+) -> tuple[float, np.ndarray, float]:
+    """Softest mode (dofs,) of the matrix at `state`, by inverse iteration, and two numbers without units.
 
-    def stiffness(mode: np.ndarray) -> np.ndarray:
-        size = DIFFERENCE * float(np.ptp(start)) / float(np.abs(mode).max())
-        ahead, back = (
-            body.gradient(body.moved(start, step), history, np.inf) for step in (size * mode, -size * mode)
-        )
-        return (ahead - back) / (2.0 * size)
+    Both compare with what is at `start` (at rest, or where a stage of loads began), contact left out.
+
+    Returns
+    -------
+    share : its stiffness over that of the same motion there; 0 at a critical point.
+    mode : of length 1.
+    work : of the load with it, over the most that the load does there with a motion of as much energy;
+        0 where a branch bifurcates. `load` gives the tangent: the growing one, or that of what is prescribed.
+    """
+
+    def energy(motion: np.ndarray) -> float:
+        return float(motion @ body.stiffness(start, history, motion))
 
     H, _ = body.factored(state, history)
     # nothing in held dofs, and no symmetry that could hide the mode
-    mode = stiffness(1.0 + np.arange(body.dofs) / body.dofs)
+    mode = body.stiffness(start, history, 1.0 + np.arange(body.dofs) / body.dofs)
     value = 0.0
     for _ in range(INVERSE_ITERATIONS):
         new = body.solved(H, mode)
         square = new @ new
         value = float(new @ mode / square)
         mode = new / np.sqrt(square)
-    return value / float(mode @ stiffness(mode)), mode
+    rest, _ = body.factored(start, history, np.inf)
+    answer = body.solved(rest, load)
+    if body.system.prescribed.size:
+        answer[int(body.system.prescribed[DOF])] = 0.0
+    most = energy(mode) * energy(answer)
+    work = abs(value * float(body.solved(H, load) @ mode)) / np.sqrt(most) if most > 0.0 else 0.0
+    return value / energy(mode), mode, work

@@ -44,11 +44,11 @@ def judged(
 ) -> tuple[Track, np.ndarray, float]:
     """The track, with a critical point distinguished from a path that got stuck, the softest mode at its end,
     and the share of the load that does work with it."""
-    load, prescribed = problem.load, problem.prescribed
+    load = problem.load
     if track.outcome not in (CRITICAL, STUCK, TURNED):
         return track, np.zeros_like(load), 0.0
     body = body_of(problem, kernels)
-    share, mode = softest(body, track.last, track.history, problem.start)
+    share, mode, work = softest(body, track.last, track.history, problem.start, load)
     end = (body, track.last, track.history, load, length)
     friction = has_friction(track.history.view(np.recarray))
     left = time_left(*end) if friction else np.inf
@@ -61,9 +61,7 @@ def judged(
         track = replace(track, outcome=SLIDING)
     elif track.outcome == STUCK and abs(share) < SOFT:
         track = replace(track, outcome=CRITICAL)
-    pull = body.pull(track.last, track.history) if prescribed.size else load
-    norm = float(np.linalg.norm(pull) * np.linalg.norm(mode))
-    return track, mode, abs(float(pull @ mode)) / norm if norm > 0.0 else 0.0
+    return track, mode, work
 
 
 def verdict(track: Track, work: float) -> tuple[str, str, float | None]:

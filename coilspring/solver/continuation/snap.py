@@ -60,8 +60,7 @@ def end_or_snap(system, task, work, path, outcome):
 @part
 def snap_or_end(system, task, path, limit, straight):
     """A snap at a limit point, else the end; at a bifurcation the stiffness falls along a `straight` line."""
-    # a prescribed motion may still work on such a mode
-    path.snap.bifurcates = straight and not limit and system.prescribed.size == 0
+    path.snap.bifurcates = straight and not limit
     path.snap.active = task.predictor and limit
     if not path.snap.active:
         path.outcome = path.snap.ends
