@@ -73,7 +73,7 @@ def trials_of(scene, *meshes):
 
 def test_finer_is_asked_finer_is_solved():
     """In stations, which leave the larger part of the error here, and in elements where there are none."""
-    wanted = (1e-2, 1e-3, 1e-4, 3e-5)
+    wanted = (1e-2, 1e-3, 3e-5, 1e-5)
     found = [wirefe.solve_to(touching(), asked).options for asked in wanted]
     stations, levels = ([mesh[name] for mesh in found] for name in ("pairs_per_turn", "elements_per_turn"))
     assert stations == sorted(set(stations))
@@ -446,7 +446,7 @@ def test_coils_that_touch_on_a_finer_mesh_alone_begin_again(monkeypatch):
     trials = Trials(Levels.of(touching(), None), 1e-3, 10)
     for level in (4, 8, 12, 16):
         trials.add(level, 1)
-    assert [(trial.level, trial.stations) for trial in trials.found] == [(12, 144), (16, 194)]
+    assert [(trial.level, trial.stations) for trial in trials.found] == [(12, 144), (16, 193)]
 
 
 def test_coarse_paths_have_few_rows_of_the_fine_ones():
@@ -458,8 +458,27 @@ def test_stations_of_two_levels_stand_elsewhere():
     for level in (4, 6, 8, 12):
         trials.add(level, 1)
     stations = [trial.path.options["pairs_per_turn"] for trial in trials.found]
-    assert stations == [48, 74, 98, 146]
-    assert {math.gcd(*pair) for pair in combinations(stations, 2)} == {2}
+    assert stations == [48, 73, 97, 145]
+    assert {math.gcd(*pair) for pair in combinations(stations, 2)} == {1}
+
+
+def test_a_corner_pressed_by_the_same_station_of_two_paths_tells_no_error():
+    """Where its sections meet the wire has a corner, pressed on a hundredth of a turn: 16 and 62 stations,
+    both with one there, gave forces alike, and errors of 2 and 1.6 % that were estimated at 0.8 %."""
+    sections = [
+        CoilSection(0.5, (pitch, pitch), diameters)
+        for pitch, diameters in ((3.614, (6.64, 6.64)), (1.757, (6.64, 6.47)), (1.781, (6.47, 6.53)))
+    ]
+    spring = Spring.of_sections(1.4808, sections, end_turns=1.25, ends="open", wire_rigidity="solid")
+    load, contact = Load((0.0, -94.0), 1), Contact(stiffness=277e3)
+    scene = Scene("corner", spring, load, supports=Supports(("ux",)), contact=contact)
+    shared = trials_of(scene, (4, 16), (6, 62))
+    assert [trial.corner for trial in shared.found] == [Fraction(1, 2)] * 2
+    assert shared.estimate == math.inf
+    assert trials_of(scene, (4, 16), (6, 63)).estimate < math.inf
+    path = wirefe.solve_to(scene, 1e-2)
+    exact = wirefe.solve(scene, element="curved", elements_per_turn=48, pairs_per_turn=1538)
+    assert difference(path, exact) <= path.estimated_error <= 1e-2
 
 
 def test_progress_says_what_is_solved_and_the_estimate_so_far():
@@ -538,11 +557,11 @@ def test_a_sweep_takes_the_cheapest_that_a_sample_supports(asked, model, tmp_pat
     assert [row["outcome"] for row in rows] == ["completed"] * 3
 
 
-def chosen_of(asked, monkeypatch):
+def chosen_of(asked, last, monkeypatch):
     """What is chosen for a grid whose references have 16 elements a turn at most, and what is solved."""
     monkeypatch.setattr("wirefe.meshes.FINEST", 16)
     table = scene_table(touching())
-    varied = read_varied(["load.force.1=-6:-8:2"], table)
+    varied = read_varied([f"load.force.1=-6:{last}:2"], table)
     solved, solve = [], trials.solve
 
     def counted(scene, **options):
@@ -556,13 +575,13 @@ def chosen_of(asked, monkeypatch):
         return str(refused), solved
 
 
-@pytest.mark.parametrize(("asked", "half_is_reached"), [(4.8e-4, True), (2.4e-4, False)])
-def test_a_reference_is_as_exact_as_can_be_reached(asked, half_is_reached, monkeypatch):
+@pytest.mark.parametrize(("asked", "last", "half_is_reached"), [(1.7e-4, -8.0, True), (3.5e-4, -8.5, False)])
+def test_a_reference_is_as_exact_as_can_be_reached(asked, last, half_is_reached, monkeypatch):
     """A quarter of the accuracy is out of reach; on the way there a half was met, though not by itself."""
-    found, solved = chosen_of(asked, monkeypatch)
+    found, solved = chosen_of(asked, last, monkeypatch)
     assert choice.MARGIN * found.error <= asked
     assert len(solved) == len(set(solved)) > 5
-    scene = touching()
+    scene = replace(touching(), load=Load((-4.0, last), 10))
     with pytest.raises(InputError, match="accuracy must be at least"):
         wirefe.solve_to(scene, asked / 4.0)
     if half_is_reached:
@@ -583,11 +602,11 @@ def test_a_scene_without_a_mesh_leaves_the_others_of_its_grid(tmp_path, capsys):
 
 
 def test_where_there_is_no_reference_the_scene_is_said_and_what_was_asked_for(monkeypatch):
-    found, solved = chosen_of(1e-4, monkeypatch)
+    found, solved = chosen_of(1e-4, -8.5, monkeypatch)
     least, error = re.fullmatch(
         r"accuracy must be at least (\S+) on this grid, got 0\.0001: for the scene with load\.force\.1 = "
-        r"-8 the error of the reference, solved by the wire model, is (\S+) or more \(with 16 elements per "
-        r"turn\); the accuracy must be at least 2 times that error",
+        r"-8\.5 the error of the reference, solved by the wire model, is (\S+) or more \(with 16 elements "
+        r"per turn\); the accuracy must be at least 2 times that error",
         found,
     ).groups()
     assert float(least) == pytest.approx(2.0 * float(error), rel=0.1)

@@ -13,12 +13,14 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from coilspring.curves import Curve, compare_curves
 from coilspring.errors import InputError
-from coilspring.path import EquilibriumPath
+from coilspring.path import EquilibriumPath, shape_of
 from coilspring.scene import Scene
 from coilspring.scene.profile import TWO_PI
-from wirefe.contact.points import PER_TURN
+from wirefe.contact.points import PER_TURN, places
 from wirefe.mesh import MOST_ELEMENTS, is_whole
 
 FINEST, FINEST_STRAIGHT = 128, 64  # levels
@@ -151,6 +153,22 @@ class Trial:
         may = path.states[path.least_gaps < near]
         ends = () if path.last_state is None else (path.last_state[None],)
         return any((path.shape.pair_gaps(states) < near).any() for states in (*ends, may[-1:], may[:-1]))
+
+    @cached_property
+    def corner(self) -> Fraction | None:
+        """Where on the wire, in turns, the station stands that is pressed deepest, if none beside it touches:
+        there may be a corner, as where a section ends, pressed on less than the spacing of stations.
+        """
+        path = self.path
+        if not len(path.states):
+            return None
+        shape = shape_of(path, "wirefe", "corner")
+        lower = shape.data.contact.pairs[:, 0]
+        gaps = shape.pair_gaps(path.states[[path.least_gaps.argmin()]])[0]
+        station = lower[gaps.argmin()]
+        alone = gaps[np.abs(lower - station) == 1].min(initial=np.inf) > 0.0 > gaps.min()
+        index, _ = places(path.scene.spring, self.stations)
+        return Fraction(int(index[station]), self.stations) if alone else None
 
 
 def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:

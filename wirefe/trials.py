@@ -161,16 +161,13 @@ class Trials:
         self.deviations = [difference(each.path, last.path) for each in before]
         for each, deviation in zip(before, self.deviations, strict=True):
             more = self.resolution(each) ** -2 - fine
-            unknown = more <= 0.0 or (self.irregular and each.stations >= last.stations)
+            unknown = more <= 0.0 or (self.irregular and not told_by_stations(each, last))
             self.constants.append(math.inf if unknown else deviation / more)
 
     def others(self, stations: int) -> int:
-        """Stations, at least so many, elsewhere than those of the paths so far, but for two.
-
-        Stations that two paths share make the same error in both, which their difference does not tell.
-        """
-        numbers = count(min(stations, MOST), 2)
-        return next(n for n in numbers if all(math.gcd(n, each.stations) == 2 for each in self.found))
+        """Stations, at least so many, elsewhere than those of the paths so far, but for one in a turn."""
+        numbers = count(min(stations, MOST))
+        return next(n for n in numbers if all(math.gcd(n, each.stations) == 1 for each in self.found))
 
     def resolution(self, trial: Trial) -> float:
         """Level of the elements, or where stations matter theirs, which do not make all of a difference."""
@@ -221,6 +218,13 @@ class Trials:
         """Error on the finest mesh. Where they are uneven errors may fall with the level alone."""
         finer = max(self.finest / self.resolution(self.found[-1]), 1.0)
         return (self.estimate - self.lost) / finer ** (1.0 if self.uneven else 2.0) + self.lost
+
+
+def told_by_stations(coarse: Trial, fine: Trial) -> bool:
+    """Whether the difference of two paths tells the error of their stations: not where these are as many, or
+    where the same one is pressed alone in both, which makes much the same error in both."""
+    same = coarse.corner is not None and coarse.corner == fine.corner
+    return coarse.stations < fine.stations and not same
 
 
 def refusal(asked: float, reached: float, why: str, about: str = "") -> NotReached:

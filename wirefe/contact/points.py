@@ -12,6 +12,7 @@ from coilspring.contact.law import tangential_stiffness
 from coilspring.errors import InputError, require_integer
 from coilspring.scene import Scene
 from coilspring.scene.profile import TWO_PI
+from coilspring.scene.spring import Spring
 from wirefe.contact.stations import (
     ARMS,
     ROTATION,
@@ -83,6 +84,12 @@ def require_nodes(elements_per_turn: int, pairs_per_turn: int) -> None:
         )
 
 
+def places(spring: Spring, pairs_per_turn: int) -> tuple[np.ndarray, tuple[float, float]]:
+    """Phases of contact points, and of the ends of the wire, in units of a turn over `pairs_per_turn`."""
+    first, end = (phase / TWO_PI * pairs_per_turn for phase in spring.phase_range)
+    return np.arange(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1), (first, end)
+
+
 def contact_points(
     scene: Scene,
     mesh: WireMesh,
@@ -100,8 +107,7 @@ def contact_points(
     if spheres:
         require_nodes(elements_per_turn, pairs_per_turn)
     spring = scene.spring
-    first, end = (phase / TWO_PI * pairs_per_turn for phase in spring.phase_range)
-    index = np.arange(math.ceil(first - 1e-9), math.floor(end + 1e-9) + 1)
+    index, (first, end) = places(spring, pairs_per_turn)
     phases = index * TWO_PI / pairs_per_turn
     points = spring.points(phases)
     if spheres:
