@@ -234,7 +234,7 @@ def _number(line: int, cells: list[str], column: int, separator: str, columns: i
     cell = cells[column].strip().strip('"') if column < len(cells) else ""
     text = cell if separator == "," or "." in cell else cell.replace(",", ".")
     try:
-        value = float(text)
+        value = float(text.replace("_", "?"))  # which Python would read past
     except ValueError:
         raise InputError(
             f"line {line} must have a number in column {column + 1}, got {shown(cell)}"

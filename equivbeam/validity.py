@@ -21,6 +21,7 @@ from equivbeam.shape import BeamShape, element_measures
 TRUSTED = 0.90
 ADVICE = ": use wirefe with 16 or more pairs per turn"
 IN_PLANE = 1e-9  # rad
+TOUCHING = 1e-9  # of the height: less travel is rounding
 # Share of its wire's length up to which the length of a half coil is trusted, and times that at rest, which
 # is a large share where coils are steep. Of 43 random springs of 2 to 10 coils that are pulled, UY by haringx
 # is within 9.4 % of the wire model's before (12.7 % with 2 coils), and off by 10 % at shares of 0.31 to 0.50;
@@ -45,7 +46,7 @@ def warning(shape: BeamShape, law: str | UserLaw, states: np.ndarray, times: np.
     travel, shortened = height - solid_height(scene.spring), height - lengths.sum(axis=1)
     row, when = worst(shortened, times)
     within = TRUSTED * travel < shortened[row] < height  # else the top has passed the bottom
-    if scene.contact.enabled and travel > 0.0 and within:
+    if scene.contact.enabled and travel > TOUCHING * height and within:
         said += (
             f"; but{when} it is {shortened[row] / travel:.0%} of the travel to solid, where coils close bit "
             f"by bit and the beam's force may be far off{ADVICE}"

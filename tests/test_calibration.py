@@ -258,6 +258,7 @@ BAD = {
     "": "curve must have a line with the names",
     "force,deflection\n": "at least one line of numbers",
     "force,deflection\n1,x": "line 2 must have a number in column 2, got 'x'",
+    "force,deflection\n1,1_9": "line 2 must have a number in column 2, got '1_9'",
     "force,deflection\n1": "line 2 must have a number in column 2, got ''",
     "force,deflection\n1,5,2,5": "decimal commas the columns must be separated by semicolons",
     "force [lbf],deflection\n1,2": "column force must be in N or kN, got 'lbf'",
