@@ -14,8 +14,8 @@ from coilspring.solver.interface import Kernels
 from coilspring.solver.problem import Problem, Track
 from coilspring.solver.system import COMPLETED, CRITICAL, EXHAUSTED, JUMP, OVERLAP, STUCK, TURNED
 
-# Null modes of a bifurcation do no work with the load; rounding leaves far less than this share.
-NO_WORK = 1e-6
+# Null modes of a bifurcation do no work with the load; where paths lean by rounding, less than this share.
+NO_WORK = 3e-5
 SOFT = 0.01  # stiffness of the softest mode over that at rest, below which the tangent counts as singular
 LEFT = 1e-5  # of the time 0..1: so near to where a path ends, a limit point of Coulomb's law is its end
 SLIDING = -1  # beside the outcomes of `coilspring.solver.system`: see `coilspring.solver.coulomb`
