@@ -103,6 +103,7 @@ def softest(
     answer = body.solved(rest, load)
     if body.system.prescribed.size:
         answer[int(body.system.prescribed[DOF])] = 0.0
-    most = energy(mode) * energy(answer) if answer.any() else 0.0
+    own = energy(mode)
+    most = own * energy(answer) if answer.any() else 0.0
     work = abs(value * float(body.solved(H, load) @ mode)) / np.sqrt(most) if most > 0.0 else 0.0
-    return value / energy(mode), mode, work
+    return value / own, mode, work

@@ -54,11 +54,11 @@ def end_or_snap(system, task, work, path, outcome):
     path.reuse, opens = False, not straight and jumps(path, stiffness)
     limit = opens or is_limit_point(system, task, work, path, stiffness, straight)
     path.snap.opened = opens and stiffness > RIGID * path.scale.stiffness and sticks(work.history)
-    snap_or_end(system, task, path, limit, straight)
+    snap_or_end(task, path, limit, straight)
 
 
 @part
-def snap_or_end(system, task, path, limit, straight):
+def snap_or_end(task, path, limit, straight):
     """A snap at a limit point, else the end; at a bifurcation the stiffness falls along a `straight` line."""
     path.snap.bifurcates = straight and not limit
     path.snap.active = task.predictor and limit

@@ -75,7 +75,7 @@ def leaves_stretch(system, task, work, path, end):
     opens = stiffness > RIGID * path.scale.stiffness
     limit = opens or is_loaded(system, task, work, path, stiffness)
     path.snap.opened = opens and sticks(work.history)
-    snap_or_end(system, task, path, limit, True)
+    snap_or_end(task, path, limit, True)
     return False
 
 
