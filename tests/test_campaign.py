@@ -6,6 +6,7 @@ import io
 from contextlib import nullcontext
 from dataclasses import replace
 from inspect import signature
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -31,7 +32,7 @@ from validation.campaign.runs import (
     verify_invariance,
     verify_steps,
 )
-from validation.campaign.scenes import Case, case_id, in_units, make_case, pressed
+from validation.campaign.scenes import Case, case_id, in_units, is_of_sections, make_case, pressed, resized
 from validation.campaign.table import COLUMNS, row_text
 from validation.campaign.verdict import CLASSES, UNEXPLAINED, Verdict, reached, under
 from validation.campaign.wire import WireForces
@@ -431,6 +432,54 @@ def test_a_fifth_of_the_scenes_prescribes_the_displacement(letter):
     assert min(case.size for case in ways) < 0.1 < 0.9 < max(case.size for case in ways)
     for case in ways:
         assert in_units(case.scene, 8.0, 1.0).load.displacement[0] == 8.0 * case.scene.load.displacement[0]
+
+
+@pytest.mark.parametrize("letter", ["b", "w"])
+def test_a_quarter_of_the_springs_is_of_sections(letter):
+    names = [case_id(letter, number) for number in range(400)]
+    cases = [make_case(name, 7) for name in names if is_of_sections(name)]
+    springs = [case.scene.spring for case in cases]
+    assert len(springs) == 100
+    assert {len(spring.sections) for spring in springs} == {1, 2, 3, 4}
+    assert {(spring.hand, spring.ends) for spring in springs} == set(
+        product(("left", "right"), ("open", "closed"))
+    )
+    assert {int(spring.start_phase) for spring in springs} == set(range(7))
+    assert any(case.scene.load.displacement for case in cases)
+    assert not any(make_case(f"{letter}{number}s", 7).corner for number in range(40))
+    for case, spring in zip(cases, springs, strict=True):
+        there = in_units(case.scene, 8.0, 1.0).spring
+        assert there.profile.radii.tolist() == (8.0 * spring.profile.radii).tolist()
+        assert there.profile.rise.tolist() == (8.0 * spring.profile.rise).tolist()
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        *product(("b000105s", "b000165s", "w00085s", "w00057s"), ("pitch", "mean_diameter", "start_phase")),
+        *product(("b000105s", "w00097s"), ("ends",)),
+    ],
+)
+def test_coils_other_than_those_solved_are_caught(name, changed):
+    """The verifier has coils of its own, and sees where a path is of others."""
+    case, verdict = make_case(name, 7), Verdict()
+    path, spring = reached(case), case.scene.spring
+    assert not verify(case, path).complaints
+    lowest, *others = spring.coils
+    if changed == "start_phase":
+        wrong = replace(spring, start_phase=spring.start_phase + 0.1)
+    elif changed == "ends":
+        wrong = replace(spring, ends="open" if spring.ends == "closed" else "closed")
+    elif changed == "pitch":
+        wrong = replace(spring, sections=(replace(lowest, pitch=lowest.pitch[::-1]), *others))
+    else:
+        wrong = replace(resized(spring, 1.001), wire_diameter=spring.wire_diameter)
+    scene = replace(case.scene, spring=wrong)
+    if case.model == "equivbeam":
+        verify_states(verdict, BeamEnergy(scene, case.options["law"]), path)
+    else:
+        verify_row(verdict, WireForces(scene, **case.options), path, -1)
+    assert verdict.complaints
 
 
 def test_case_follows_from_its_id_alone():

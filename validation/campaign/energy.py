@@ -14,6 +14,7 @@ from scipy.linalg import solve_triangular
 
 from coilspring import Scene, Spring
 from equivbeam.laws.userlaw import UserLaw
+from validation.campaign.coils import coil_shape, end_pitch, half_coils
 from validation.campaign.laws import Law, haringx_law, helix_law, plain_law
 
 LAWS: dict[str, Callable[[Scene], Law]] = {"haringx": haringx_law, "helix": helix_law}
@@ -27,9 +28,10 @@ class BeamEnergy:
 
     def __init__(self, scene: Scene, law: str | UserLaw) -> None:
         spring, contact = scene.spring, scene.contact
-        count = round(2 * spring.active_coils)
+        phases = half_coils(spring)
+        count = phases.size - 1
         rest = np.zeros((count + 1, 3))
-        rest[:, 1] = np.linspace(0.0, spring.active_height, count + 1)
+        rest[:, 1] = coil_shape(spring, phases)[1]
         self.rest = rest.ravel()
         self.top = self.rest.size - 2  # degree of freedom of the top's y
         # (l, v, dtheta) of all half coils -> N, T, M of each
@@ -192,15 +194,15 @@ class BeamEnergy:
 def circles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of all circles, half a turn apart, end turns included, and offsets (circles, 2) from them."""
     count, ends = round(2 * spring.active_coils), int(2 * spring.end_turns + 1e-9)
-    bottom, top = spring.mean_diameter
     index = np.arange(-ends, count + ends + 1)
     node = np.clip(index, 0, count)
     # of a wire that begins half way between both sides, the one at a smaller phase
     begin = math.floor(0.5 - spring.start_phase / math.pi + 1e-9)
     side = np.where((index + begin) % 2 == 0, 1.0, -1.0)
-    radius = 0.5 * (bottom + (top - bottom) * node / count)
-    # circles of the end turns lie half a wire diameter apart in height
-    return node, np.stack((side * radius, 0.5 * spring.wire_diameter * (index - node)), axis=-1)
+    radius, (low, high) = coil_shape(spring, node * math.pi)[0], end_pitch(spring)
+    # circles of the end turns lie half their pitch apart in height
+    rise = 0.5 * np.where(index < 0, low, high) * (index - node)
+    return node, np.stack((side * radius, rise), axis=-1)
 
 
 def turned(angle: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:

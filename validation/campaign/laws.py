@@ -13,6 +13,7 @@ import numpy as np
 from coilspring import Scene
 from equivbeam.laws.halfcoil import HalfCoil
 from equivbeam.laws.userlaw import UserLaw
+from validation.campaign.coils import coil_shape, half_coils
 from validation.campaign.wireparts import rigidities
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
@@ -40,10 +41,9 @@ for i, j in PAIRS:
 def haringx_law(scene: Scene) -> Law:
     """Constant stiffnesses of all half coils, (B3)."""
     spring, E, G = scene.spring, scene.material.E, scene.material.G
-    d, (bottom, top) = spring.wire_diameter, spring.mean_diameter
-    count = round(2 * spring.active_coils)
-    D = bottom + (top - bottom) * (np.arange(count) + 0.5) / count
-    pitch = spring.active_height / spring.active_coils
+    d, phases = spring.wire_diameter, half_coils(spring)
+    D = 2.0 * coil_shape(spring, phases[:-1] + 0.5 * math.pi)[0]
+    pitch = 2.0 * np.diff(coil_shape(spring, phases)[1])
     cosine = 1.0 / np.sqrt(1.0 + (pitch / (math.pi * D)) ** 2)
     axial = G * d**4 * cosine / (4.0 * D**3)
     shear = E * d**4 * cosine / (4.0 * D**3)
@@ -57,10 +57,9 @@ def haringx_law(scene: Scene) -> Law:
 
 def helix_law(scene: Scene) -> Law:
     """The helix law of all half coils with all its refinements."""
-    phases = np.arange(round(2 * scene.spring.active_coils) + 1) * math.pi
-    bottom, top = scene.spring.mean_diameter
+    phases = half_coils(scene.spring)
     at = phases[:-1, None] + 0.5 * np.diff(phases)[:, None] * (1.0 + NODES)  # Gauss's points
-    radius = 0.5 * (bottom + (top - bottom) * at / phases[-1])
+    radius = coil_shape(scene.spring, at)[0]
     helices = Helices(scene, phases, radius)
     plane, (length_rate, force_rate) = -scene.spring.start_phase, helices.rate(helices.u0)
     # the sine u follows the length by less than 1/s, as shear and stretch do their part
@@ -102,7 +101,7 @@ class Helices:
     def __init__(self, scene: Scene, phases: np.ndarray, radius: np.ndarray) -> None:
         self.EA, self.GA, self.GJ, self.EI = rigidities(scene)
         r = np.cbrt((radius**3) @ WEIGHTS / 2.0)  # by the axial flexibility of the taper
-        rise = scene.spring.active_height / scene.spring.active_coils / (2.0 * math.pi)
+        rise = np.diff(coil_shape(scene.spring, phases)[1]) / np.diff(phases)
         self.L = np.sqrt(r * r + rise * rise)  # length of wire a radian
         self.s = np.diff(phases) * self.L  # length of wire
         self.u0 = rise / self.L  # sine at rest
@@ -179,13 +178,13 @@ class Helices:
 
 
 def coils_of(scene: Scene) -> list[HalfCoil]:
-    """The half coils of a cylinder or cone of constant pitch."""
+    """The half coils of a spring."""
     spring, moduli = scene.spring, (scene.material.E, scene.material.G)
-    count = round(2 * spring.active_coils)
-    (bottom, top), length = spring.mean_diameter, spring.active_height / count
-    coils = []
-    for index in range(count):
-        D, begin = bottom + (top - bottom) * (index + 0.5) / count, index * math.pi + spring.start_phase
+    phases, coils = half_coils(spring), []
+    lengths = np.diff(coil_shape(spring, phases)[1]).tolist()
+    diameters = 2.0 * coil_shape(spring, phases[:-1] + 0.5 * math.pi)[0]
+    for index, (D, length) in enumerate(zip(diameters.tolist(), lengths, strict=True)):
+        begin = index * math.pi + spring.start_phase
         wire = math.sqrt(length**2 + (math.pi * D / 2.0) ** 2)
         shape = (D, spring.wire_diameter, length, wire, math.asin(length / wire), begin, begin + math.pi)
         coils.append(HalfCoil(*shape, spring.hand, *moduli, index))

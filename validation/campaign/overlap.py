@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from coilspring import EquilibriumPath, Spring
+from validation.campaign.coils import largest_diameter
 from validation.campaign.energy import BeamEnergy, circles, turned
 from validation.campaign.verdict import Verdict
 from validation.campaign.wire import WireForces
@@ -64,7 +65,7 @@ def _wire_overlaps(spring: Spring, states: np.ndarray) -> np.ndarray:
     """Overlaps of a wire of equal elements in states, mm; not of what is half a turn apart, or in one end."""
     d, count, least = spring.wire_diameter, states.shape[1] // 7, []
     nodes = helix(spring, np.linspace(0.0, 2.0 * math.pi * spring.active_coils, count))
-    per_turn = math.ceil(math.pi * max(spring.mean_diameter) / (SPACING * d))
+    per_turn = math.ceil(math.pi * largest_diameter(spring) / (SPACING * d))
     wire = Points(spring, nodes, per_turn, wires=True)
     for state in states:
         places = wire.places(state.reshape(-1, 7))

@@ -13,7 +13,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
 from validation.campaign.runs import KINDS
-from validation.campaign.scenes import CORNERS, LETTERS
+from validation.campaign.scenes import CORNERS, LETTERS, MOST_SECTIONS, is_of_sections
 from validation.campaign.table import DISPLACEMENT, FORCE, NUMBERS, version
 from validation.campaign.verdict import (
     CLASSES,
@@ -35,6 +35,7 @@ from validation.study.style import DOUBLE, RC, RED
 
 PAGE = template.template(Path(__file__).with_name("page.md"))
 TITLES = {"b": "equivalent beam", "w": "wire model"}
+SHAPES = {False: "cylinder or cone", True: "of sections"}
 MAPS = (("penalty", "steps"), ("slenderness", "load"))
 
 
@@ -86,6 +87,7 @@ def page(data: pd.DataFrame) -> str:
         "model": (model, models),
         "geometry": (data["geometry"] + ", " + data["sliding"], map(", ".join, touching)),
         "given": (model + ", " + data["by"], map(", ".join, product(models, (FORCE, DISPLACEMENT)))),
+        "spring": (data["id"].map(is_of_sections).map(SHAPES.get), SHAPES.values()),
         "corner": (data["corner"].replace("", "none"), ("none", *CORNERS)),
     }
     counts = {
@@ -106,6 +108,7 @@ def page(data: pd.DataFrame) -> str:
         unexplained=frame_table(seeds[["scenes", UNEXPLAINED, ITERATION]].reset_index()),
         sources=version(),
         used=", ".join(f"{name} {number}" for name, number in versions().items() if number),
+        sections=MOST_SECTIONS,
         counts={title: frame_table(counted) for title, counted in counts.items()},
         stepped=[f"{row.id} of seed {row.seed}" for row in compared.itertuples() if float(row.stepped) > 0.0],
         compared=len(compared),

@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from coilspring import EquilibriumPath, Scene, Spring
+from validation.campaign.coils import largest_diameter
 from validation.campaign.overlap import deepest
-from validation.campaign.scenes import EVERY, Case, in_units
+from validation.campaign.scenes import EVERY, Case, in_units, resized
 from validation.campaign.verdict import CRITICAL, Verdict, reached, under
 
 BRANCH = 1e-6  # difference from the fine run over the largest displacement,
@@ -76,7 +77,7 @@ def deviation(
     mine, theirs = mine[times <= until], theirs[times <= until]
     if not mine.size:
         return 0.0, 0.0
-    size = np.array([1.0, 1.0, max(path.scene.spring.mean_diameter)])
+    size = np.array([1.0, 1.0, largest_diameter(path.scene.spring)])
     tips, others = path.tips[mine] * size, other.tips[theirs] * size * back
     shares = np.abs(tips - others).max(axis=1) / np.abs(others).max()
     return float(shares[-1]), float(shares.max())
@@ -115,7 +116,7 @@ def force_grain(path: EquilibriumPath, row: int | None = None) -> float:
 
 def _rounding(spring: Spring) -> float:
     """How fine positions are, mm: the height, or the radius, is the largest of them."""
-    return ROUNDING * max(spring.active_height, 0.5 * max(spring.mean_diameter))
+    return ROUNDING * max(spring.active_height, 0.5 * largest_diameter(spring))
 
 
 def largest_load(path: EquilibriumPath, row: int) -> float:
@@ -279,7 +280,7 @@ def changed(case: Case, kind: str) -> tuple[Scene, tuple[float, ...]]:
         displacement = tuple(more * value for value in load.displacement)
         other = replace(
             scene,
-            spring=replace(spring, active_height=spring.active_height * taller),
+            spring=resized(spring, 1.0, taller),
             material=replace(scene.material, E=scene.material.E * less),
             load=replace(load, force=(x * more, y), displacement=displacement),
         )

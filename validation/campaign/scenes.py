@@ -1,8 +1,10 @@
 """Sampled scenes of the campaign: each follows from the seed and its id alone.
 
 Ids are `b000123` (equivalent beam) and `w00012` (wire model): the model's letter and the place in a scrambled
-Sobol sequence. Every eighth scene is a pathological corner. In a fifth of all scenes a displacement of the
-top is prescribed, in place of the force; half of the wires touch as wires, the others by spheres.
+Sobol sequence; `b000121s` and `w00013s` have springs of sections in place of a cylinder or cone, as every
+fourth scene of a campaign. Every eighth scene is a pathological corner. In a fifth of all scenes a
+displacement of the top is prescribed, in place of the force; half of the wires touch as wires, the others by
+spheres.
 """
 
 import math
@@ -14,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from coilspring import Contact, InputError, Load, Scene, Spring, Supports
+from coilspring import CoilSection, Contact, InputError, Load, Scene, Spring, Supports
 from coilspring.scene.sizing import solid_height
 from validation.study.models import BEAM, WIRE
 
@@ -23,6 +25,8 @@ CORNERS = ("touching", "solid", "buckling", "telescoping", "tiny", "huge", "hard
 EVERY = 8  # scenes, one of which is a corner
 HELD: tuple[tuple[str, ...], ...] = ((), (), ("rotz",), ("ux",), ("ux", "rotz"))
 LETTERS = {"b": BEAM, "w": WIRE}  # of an id, and the model
+SECTIONS, FOURTH = "s", 1  # ends ids of springs of sections; the first of them in a campaign
+MOST_SECTIONS, STEEPEST = 4, 2.0  # of a spring; wire diameters by which a coil may be wider than the next
 DIGITS = {"b": 6, "w": 5}  # of a number in an id, at least
 MOST_DIGITS = 9
 MOST_ELEMENTS = 200  # of a wire
@@ -56,41 +60,57 @@ class Case:
 
 
 def case_id(letter: str, number: int) -> str:
-    """Id of a case."""
-    return f"{letter}{number:0{DIGITS[letter]}d}"
+    """Id of a case of a campaign."""
+    return _id(letter, number, number % 4 == FOURTH)
+
+
+def _id(letter: str, number: int, of_sections: bool) -> str:
+    """Id of a case by its parts."""
+    return f"{letter}{number:0{DIGITS[letter]}d}{SECTIONS if of_sections else ''}"
+
+
+def is_of_sections(name: str) -> bool:
+    """Whether the spring of an id is one of sections."""
+    return name.endswith(SECTIONS)
 
 
 def make_case(name: str, seed: int) -> Case:
     """The case of an id (`InputError` where it is none)."""
-    letter, digits = name[:1], name[1:]
+    letter, digits, of_sections = name[:1], name[1:].removesuffix(SECTIONS), is_of_sections(name)
     if letter not in LETTERS or not digits.isdecimal() or len(digits) > MOST_DIGITS:
         raise InputError(
             f"case must be b or w with a number of at most {MOST_DIGITS} digits, as b000123, got {name!r}"
         )
     number = int(digits)
+    name, is_corner = _id(letter, number, of_sections), number % EVERY == EVERY - 1 and not of_sections
     draw = Draw(_block(letter, seed, number // BLOCK)[number % BLOCK])
-    corner = CORNERS[number // EVERY % len(CORNERS)] if number % EVERY == EVERY - 1 else ""
-    name = case_id(letter, number)
+    corner = CORNERS[number // EVERY % len(CORNERS)] if is_corner else ""
     spring = _spring(draw, corner, half_coils=draw.whole("coils", 4, 40 if letter == "b" else 20))
+    if of_sections:
+        spring = _of_sections(np.random.default_rng((seed, 3 + (letter == "w"), number)), spring)
     scene, size = _scene(name, draw, corner, spring)
-    if letter == "b":
-        options = {"law": draw.of("law", "haringx", "helix")}
-    else:
-        sliding = draw.of("sliding", "free", "none", "coulomb")
-        friction = draw.log("kind", 0.05, 0.5) if sliding == "coulomb" else None
+    options = {"law": draw.of("law", "haringx", "helix")}
+    if letter == "w":
         geometry = "wires" if _chosen((seed, 2), SILVER, number, WIRES) else "spheres"
-        contact = replace(scene.contact, sliding=sliding, friction=friction, geometry=geometry)
-        scene = replace(scene, contact=contact)
-        element = draw.of("law", *COUNTS)  # long wires take the coarser meshes
-        counts = [count for count in COUNTS[element] if count * spring.active_coils <= MOST_ELEMENTS]
-        count = draw.of("mesh", *(counts or COUNTS[element][:1]))
-        pairs = draw.of("pairs", 2, 4) if geometry == "spheres" else draw.whole("pairs", *STATIONS)
-        options = {"element": element, "elements_per_turn": count, "pairs_per_turn": pairs}
+        scene, options = _of_wire(scene, draw, geometry)
     scene = in_units(scene, *UNITS.get(corner, (1.0, 1.0)))
     if is_driven(letter, number, seed):
         size *= OF_SIZE
         scene = pressed(scene, size)
     return Case(name, corner, scene, size, number, options)
+
+
+def _of_wire(scene: Scene, draw: "Draw", geometry: str) -> tuple[Scene, dict[str, Any]]:
+    """The scene with what resists sliding, and how its wire is solved."""
+    sliding = draw.of("sliding", "free", "none", "coulomb")
+    friction = draw.log("kind", 0.05, 0.5) if sliding == "coulomb" else None
+    contact = replace(scene.contact, sliding=sliding, friction=friction, geometry=geometry)
+    element = draw.of("law", *COUNTS)  # long wires take the coarser meshes
+    counts = [count for count in COUNTS[element] if count * scene.spring.active_coils <= MOST_ELEMENTS]
+    count = draw.of("mesh", *(counts or COUNTS[element][:1]))
+    pairs = draw.of("pairs", 2, 4) if geometry == "spheres" else draw.whole("pairs", *STATIONS)
+    options = {"element": element, "elements_per_turn": count, "pairs_per_turn": pairs}
+    return replace(scene, contact=contact), options
 
 
 def is_driven(letter: str, number: int, seed: int) -> bool:
@@ -166,6 +186,24 @@ def _spring(draw: Draw, corner: str, half_coils: int) -> Spring:
     return Spring(d, (bottom, top), coils, coils * pitch, ends, math.pi * (draw.point["side"] < 0.5))
 
 
+def _of_sections(rng: np.random.Generator, spring: Spring) -> Spring:
+    """A spring of sections of half coils in place of one, which begins anywhere."""
+    d, halves = spring.wire_diameter, round(2 * spring.active_coils)
+    inner = rng.choice(np.arange(1, halves), rng.integers(min(MOST_SECTIONS, halves)), replace=False)
+    coils = 0.5 * np.diff([0, *np.sort(inner), halves])
+    sections, bottom = [], spring.mean_diameter[0]
+    for number in coils.tolist():
+        wider = min(STEEPEST * number, 11.0) * d * rng.uniform(-1.0, 1.0) * (rng.random() < 0.6)
+        top = float(np.clip(bottom + wider, 4.0 * d, 15.0 * d))
+        pitches = d * np.exp(rng.uniform(math.log(1.05), math.log(max(1.6, 0.2 * min(bottom, top) / d)), 2))
+        pitch = (pitches if rng.random() < 0.5 else pitches[[0, 0]]).tolist()
+        sections.append(CoilSection(number, tuple(pitch), (bottom, top)))
+        bottom = top
+    end_turns, phase = spring.end_turns, rng.uniform(0.0, 2.0 * math.pi)
+    ends, hand = "open" if rng.random() < 0.3 else "closed", "right" if rng.random() < 0.5 else "left"
+    return Spring.of_sections(d, sections, end_turns=end_turns, start_phase=phase, ends=ends, hand=hand)
+
+
 def _scene(name: str, draw: Draw, corner: str, spring: Spring) -> tuple[Scene, float]:
     """A scene and the size of its load."""
     held = draw.of("held", *HELD)
@@ -193,15 +231,19 @@ def _force(spring: Spring, size: float, angle: float, held: tuple[str, ...]) -> 
     rigidities of a helical spring with G = E / 2.6."""
     d, n, D = spring.wire_diameter, spring.active_coils, sum(spring.mean_diameter) / 2.0
     E, G, height = 206_000.0, 206_000.0 / 2.6, spring.active_height
-    bottom, top = spring.mean_diameter
-    cubes = [(bottom * (1 - x) + top * x) ** 3 for x in (0.1, 0.5, 0.9)]
-    rate = G * d**4 / (8.0 * n * sum(cubes) / 3.0)
+    cubes = sum(coils.coils / n * _cubes(*coils.mean_diameter) for coils in spring.coils)
+    rate = G * d**4 / (8.0 * n * cubes / 3.0)
     bending = E * G * d**4 / (32.0 * n * D * (2.0 * G + E)) * height * 2.0
     stiff = 12.0 if "rotz" in held else 3.0
     lateral = 1.0 / (height**3 / (stiff * bending * height / 2.0) / height + 1.0 / (rate * E / G))
     axial = size * rate * max(height - n * d, 0.1 * height)
     sideways = size * lateral * 1.2 * height
     return sideways * math.sin(angle), -axial * math.cos(angle)
+
+
+def _cubes(bottom: float, top: float) -> float:
+    """Cubes of a section's diameters at three of its coils."""
+    return sum((bottom * (1 - x) + top * x) ** 3 for x in (0.1, 0.5, 0.9))
 
 
 def scaled_load(load: Load, force: float, length: float) -> Load:
@@ -213,13 +255,31 @@ def scaled_load(load: Load, force: float, length: float) -> Load:
 
 def in_units(scene: Scene, length: float, force: float) -> Scene:
     """The same scene in other units: all lengths and forces times a factor."""
-    spring, contact = scene.spring, scene.contact
-    bottom, top = spring.mean_diameter
-    lengths = {name: getattr(spring, name) * length for name in ("wire_diameter", "active_height")}
+    contact = scene.contact
     return replace(
         scene,
-        spring=replace(spring, mean_diameter=(bottom * length, top * length), **lengths),
+        spring=resized(scene.spring, length),
         material=replace(scene.material, E=scene.material.E * force / length**2),
         load=scaled_load(scene.load, force, length),
         contact=replace(contact, stiffness=contact.stiffness * force / length**contact.exponent),
     )
+
+
+def resized(spring: Spring, length: float, taller: float = 1.0) -> Spring:
+    """The spring with all lengths times a factor, and its height times another one, too."""
+    along = length * taller
+    sections = (
+        replace(each, pitch=_times(each.pitch, along), mean_diameter=_times(each.mean_diameter, length))
+        for each in spring.sections
+    )
+    return replace(
+        spring,
+        wire_diameter=spring.wire_diameter * length,
+        mean_diameter=_times(spring.mean_diameter, length),
+        active_height=spring.active_height * along,
+        sections=tuple(sections),
+    )
+
+
+def _times(ends: tuple[float, float], factor: float) -> tuple[float, float]:
+    return ends[0] * factor, ends[1] * factor

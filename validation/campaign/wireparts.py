@@ -7,12 +7,11 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from coilspring import Scene, Spring
+from validation.campaign.coils import NUDGE, TURN, coil_shape, end_pitch
 from validation.campaign.poses import TINY, like, product, rotated, stepped, strain
 
 SHEAR_FACTOR = 0.9
-TURN = 2.0 * math.pi
 AT_NODE = 1e-9  # elements: a station that near to a node moves with it alone
-NUDGE = 1e-9  # rad: so far beside a point are the tangents whose mean it has
 GAUSS = np.polynomial.legendre.leggauss(16)
 PIECES = 256  # of a turn: a chain that tells how an element deforms to second order
 STRAIN = 1e-4  # of a length, or rad, with which differences are taken
@@ -21,29 +20,30 @@ Poses = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 def helix(spring: Spring, phases: np.ndarray, order: int = 0) -> np.ndarray:
     """Wire at the phases, end turns included, or its derivative of some order in the phase, (..., 3)."""
-    end = 2.0 * math.pi * spring.active_coils
-    inner = np.clip(phases, 0.0, end)
-    bottom, top = spring.mean_diameter
-    active = np.abs(phases - inner) < 0.5 * NUDGE
-    slope = 0.5 * (top - bottom) / end * active
-    rise = inner / end * spring.active_height + (phases - inner) / (2.0 * math.pi) * spring.wire_diameter
+    inner = np.clip(phases, 0.0, TURN * spring.active_coils)
+    beyond = phases - inner
+    active = np.abs(beyond) < 0.5 * NUDGE
+    low, high = end_pitch(spring)
+    ends = np.where(beyond < 0.0, low, high) / TURN  # rise of the end turns a radian
+    radius, height = coil_shape(spring, inner)
+    slope = coil_shape(spring, inner, 1)[0] * active
+    rise = height + beyond * ends
     if order:
-        pitch = np.where(active, spring.active_height / spring.active_coils, spring.wire_diameter)
-        rise = pitch / (2.0 * math.pi) * (order == 1)
-    radius = 0.5 * bottom + 0.5 * (top - bottom) * inner / end
+        rise = np.where(active, coil_shape(spring, inner, order)[1], ends * (order == 1))
     spiral = 1j**order * radius + order * 1j ** (order - 1) * slope
     point = spiral * np.exp(1j * (phases + spring.start_phase))
     return np.stack((point.real, rise, (1.0 if spring.hand == "left" else -1.0) * point.imag), axis=-1)
 
 
 def end_frames(spring: Spring, phases: np.ndarray, points: np.ndarray, bent: bool) -> np.ndarray:
-    """Quaternions (4, 2, elements) of the end triads: Frenet's, or one along the chord."""
+    """Quaternions (4, 2, elements) of the end triads: Frenet's of the element's own coils, or one along the
+    chord."""
     if not bent:
         chords = np.diff(points, axis=0)
         one = _quaternions(chords, np.cross(chords, [0.0, 0.0, 1.0]))
         return np.stack((one, one), axis=1)
-    all_frames = _quaternions(helix(spring, phases, 1), helix(spring, phases, 2))
-    return np.stack((all_frames[:, :-1], all_frames[:, 1:]), axis=1)
+    inside = (phases[:-1] + NUDGE, phases[1:] - NUDGE)
+    return np.stack([_quaternions(helix(spring, at, 1), helix(spring, at, 2)) for at in inside], axis=1)
 
 
 def straight(scene: Scene, points: np.ndarray) -> np.ndarray:
