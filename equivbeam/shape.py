@@ -36,6 +36,11 @@ class BeamShape(PairReader):
         """The kernel with the path's law; `InputError` for a law that this process does not know."""
         return self.assembler()
 
+    @property
+    def update_history(self) -> Callable:
+        """The model's kernel."""
+        return kernels.update_history
+
     def _nodes(self, states: np.ndarray) -> np.ndarray:
         """Positions and rotations, shape (states, nodes, 3)."""
         return states.reshape(len(states), states.shape[1] // 3, 3)

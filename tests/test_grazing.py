@@ -371,3 +371,14 @@ def test_a_small_snap_of_a_stack_is_told():
     assert told == pytest.approx([0.291] * len(told), abs=1e-3)
     for path in paths[1:]:
         np.testing.assert_allclose(path.tips[-1], paths[0].tips[-1], rtol=1e-3)
+
+
+def test_slip_and_work_are_those_the_path_goes_on_with():
+    """Where the next row is one substep later, its contact history begins with them, of grazing pairs too."""
+    case = make_case("w00260", 1024)
+    path = reached(case, under(case.scene, 0.3), steps=100)
+    history, friction = path.histories, path.friction
+    grazing = history["grazes"][:-1] & history["closed"][1:] & (history["ahead"][:-1] != 0.0)
+    assert np.count_nonzero(grazing) > 40
+    np.testing.assert_array_equal(friction.slip[:-1][grazing], history["slid"][1:][grazing])
+    np.testing.assert_array_equal(friction.work[:-1][grazing], history["work"][1:][grazing])

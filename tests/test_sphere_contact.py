@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from coilspring.contact import forces as pairforces
 from coilspring.contact import law as pairlaw
 from coilspring.contact import remembering
-from coilspring.contact.forces import pair_friction
+from coilspring.contact.forces import tangential_forces
 from coilspring.contact.kinematics import BETWEEN, approach, spheres
 from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, tangential_stiffness
 from coilspring.contact.remembering import accept, update
@@ -70,6 +70,7 @@ class Reader(PairReader):
     """Two pairs along y: one that penetrates by 0.1 mm, one that is open."""
 
     pair_law = LAW
+    update_history = None
 
     def pair_vectors(self, states):
         return np.array([[[0.0, D - 0.1, 0.0], [0.0, D + 0.1, 0.0]]])
@@ -169,7 +170,7 @@ def test_friction_by_hand():
     row = accepted(row, g, 0.3)
     np.testing.assert_allclose([row.bound, row.slid, row.work], [300.0, 0.07, 21.0])
     np.testing.assert_allclose(row.normal, tilted(angle - 0.03 / D, 1.0))
-    np.testing.assert_allclose(pair_friction(g, row, LAW).force, f)
+    np.testing.assert_allclose(tangential_forces(g, row, D), f)
 
 
 def test_a_pair_slides_with_the_bound_that_it_meets():
@@ -179,13 +180,10 @@ def test_a_pair_slides_with_the_bound_that_it_meets():
     row.held, row.before, row.deep = 600.0, 100.0 / K, 0.01
     g = tilted(400.0 / K / D, D - 1e-12)
     work = 0.5 * (350.0 + 300.0) * 100.0 / K
-    assert pair_friction(g, row, LAW).work == pytest.approx(work)
     assert accepted(row, g, 0.3).work == pytest.approx(work)
     row.bound = 0.0
     g = tilted(300.0 / K / D, D + 0.01)
     work = 0.5 * 1200.0 / 7.0 * 200.0 / K
-    assert pair_friction(g, row, LAW).work == pytest.approx(work)
-    assert pair_friction(g, row, LAW).slip == pytest.approx(200.0 / K)
     assert accepted(row, g, 0.3).work == pytest.approx(work)
     assert accepted(row, g, 0.3).slid == pytest.approx(200.0 / K)
 
@@ -197,7 +195,7 @@ def test_the_work_of_a_pair_that_opens_does_not_depend_on_its_lead():
         row = sliding(0.0)
         row.held, row.before, row.deep, row.ahead = 300.0, -0.03 - ahead, 0.01, ahead
         g = tilted((0.07 - ahead) / D, D + 0.01)
-        works.append([pair_friction(g, row, LAW).work, accepted(row, g, 0.3).work])
+        works.append(accepted(row, g, 0.3).work)
     slip = 0.5 * (0.07 - 0.03)
     share = (300.0 + 0.03 * K) / (300.0 + 0.03 * K + K * slip)
     np.testing.assert_allclose(works, 0.5 * 300.0 * (1.0 - share) * slip)
@@ -209,7 +207,6 @@ def test_a_pair_that_opens_before_it_turns_round_gives_up_what_it_held():
     row.held, row.before, row.deep = 300.0, -300.0 / K, 0.001
     g = tilted(100.0 / K / D, D + 0.009)
     work = 0.5 * 300.0 * 260.0 / K
-    assert pair_friction(g, row, LAW).work == pytest.approx(work)
     assert accepted(row, g, 0.3).work == pytest.approx(work)
 
 
@@ -222,7 +219,6 @@ def test_rising_bound_by_hand():
     energy = pair_potential(g, D, LAW, row, e, f, H)
     assert energy == pytest.approx(0.5 * force**2 / K + 0.5 * (300.0 + force) * slip)
     assert np.linalg.norm(f) == pytest.approx(force)
-    assert pair_friction(g, row, LAW).slip == pytest.approx(slip)
     row = accepted(row, g * (1.0 - 1e-12), 0.3)
     np.testing.assert_allclose([row.bound, row.slid, row.work], [force, slip, 0.5 * (300.0 + force) * slip])
 
@@ -279,7 +275,8 @@ def test_a_pair_that_touches_but_for_rounding_sticks(share):
 def test_a_pair_that_has_touched_at_rest_alone_has_done_no_work():
     """The bound of its friction is not known yet."""
     row = held(np.array([0.0, D, 0.0]), held=np.inf)
-    assert pair_friction(vectors([0.0, D, 0.0])[0], row, law(mu=0.3)).work == 0.0
+    with np.errstate(invalid="ignore"):
+        assert accepted(row, np.array([0.0, D, 0.0]), 0.3).work == 0.0
 
 
 def test_an_opening_pair_that_sticks_gives_back_what_it_held_as_dissipated():
@@ -291,9 +288,7 @@ def test_an_opening_pair_that_sticks_gives_back_what_it_held_as_dissipated():
     assert [row.kept, row.held] == pytest.approx([1.0, 500.0])
     row.released = 1.0
     g = np.array([0.07, 1.001 * D, 0.0])
-    friction = pair_friction(g, row, LAW)
-    assert np.linalg.norm(friction.force) == 0.0
-    assert friction.work == pytest.approx(0.5 * 500.0 * 0.07)
+    assert np.linalg.norm(tangential_forces(g, row, D)) == 0.0
     row = accepted(row, g, np.inf)
     assert not row.closed
     assert not row.opening
@@ -307,7 +302,7 @@ def test_a_release_in_parts_loses_as_much_as_at_once():
         assert row.opening
         row.released = 1.0 - force / (K * stretch)
         g = np.array([stretch, 1.001 * D, 0.0])
-        assert np.linalg.norm(pair_friction(g, row, LAW).force) == pytest.approx(force)
+        assert np.linalg.norm(tangential_forces(g, row, D)) == pytest.approx(force)
         row = accepted(row, g, np.inf)
     assert not row.closed
     assert row.work == pytest.approx(0.5 * 500.0 * 0.07)
@@ -318,16 +313,16 @@ def test_a_pair_that_touches_again_grazes_with_what_it_holds():
     row = accepted(held(np.array([0.0, D, 0.0])), np.array([0.05, 1.001 * D, 0.0]), np.inf)
     row.released = 1.0 - 250.0 / (K * 0.06)
     g = 0.99999 * D * np.array([np.sin(0.04), np.cos(0.04), 0.0])
-    before = pair_friction(g, row, LAW)
-    assert np.linalg.norm(before.force) == pytest.approx(250.0, rel=1e-3)
+    before = tangential_forces(g, row, D)
+    assert np.linalg.norm(before) == pytest.approx(250.0, rel=1e-3)
     row = accepted(row, g, np.inf)
     assert row.grazes
-    after = pair_friction(g, row, LAW)
-    np.testing.assert_allclose(
-        after.force, before.force, rtol=2e-3, atol=15.0
-    )  # across the pair as it is now
-    assert after.work == pytest.approx(before.work)
-    assert after.slip == pytest.approx(before.slip)
+    # across the pair as it is now
+    np.testing.assert_allclose(tangential_forces(g, row, D), before, rtol=2e-3, atol=15.0)
+    work, slip = row.work, row.slid
+    assert min(work, slip) > 0.0
+    row = accepted(row, g, np.inf)
+    assert [row.work, row.slid] == pytest.approx([work, slip])
 
 
 @pytest.mark.parametrize("rise", [0.0, 0.1, -0.1])

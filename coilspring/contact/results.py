@@ -1,17 +1,26 @@
 """What is read of contact pairs off a model's states, from the vectors between their centres."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from coilspring.contact.forces import normal_forces, pair_friction
+from coilspring.compiling.packing import pack
+from coilspring.contact.forces import normal_forces, tangential_forces
 from coilspring.contact.law import PAIR_HISTORY
 from coilspring.path import Friction
 
 
 class PairReader(ABC):
     """The part of `coilspring.path.Shape` that is the same for all models."""
+
+    data: Any  # the model's arrays
+
+    @property
+    @abstractmethod
+    def update_history(self) -> Callable:
+        """The model's kernel, see `coilspring.solver.interface`."""
 
     @property
     @abstractmethod
@@ -41,4 +50,17 @@ class PairReader(ABC):
 
     def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
         """Tangential forces (states, pairs, 3), N, slips, mm, and frictional work, N mm, of every pair."""
-        return pair_friction(self.pair_vectors(states), histories, self.pair_law)
+        after, held = self.accepted(states, histories), histories["closed"]
+        slip, work = (np.where(held, after[name], histories[name]) for name in ("slid", "work"))
+        return Friction(self.tangential_forces(states, histories), slip * held, work)
+
+    def tangential_forces(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
+        """Tangential force of every pair, shape (states, pairs, 3), N."""
+        return tangential_forces(self.pair_vectors(states), histories, self.pair_law.d)
+
+    def accepted(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
+        """The contact histories with which a path goes on from each of the states, shape (states, pairs)."""
+        data, after = pack(self.data), histories.copy()
+        for state, history in zip(states, after, strict=True):
+            self.update_history(*data, state, history)
+        return after

@@ -7,9 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.contact.forces import tangential_forces
+from coilspring.contact.forces import tangential_sizes
 from coilspring.contact.results import PairReader
-from coilspring.path import Friction
 from coilspring.scene import Scene
 from coilspring.solver.stages import rates, reactions
 from wirefe import kernels, seated
@@ -92,14 +91,13 @@ class WireShape(PairReader):
         """Vectors across the gaps of the pairs, shape (states, pairs, 3), mm."""
         return contact_vectors(self.data.contact, states)
 
-    def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
+    def tangential_forces(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """See `coilspring.contact.results.PairReader`; of wires at the material points that touched first."""
         contact = self.data.contact
         if not (len(contact.pairs) and of_wires(contact.parts)):
-            return super().pair_friction(states, histories)
+            return super().tangential_forces(states, histories)
         n = contact_vectors(contact, states)
-        h = np.linalg.norm(n, axis=-1, keepdims=True)
-        n /= h
+        n /= np.linalg.norm(n, axis=-1, keepdims=True)
         centres = contact_centres(contact, states)
         first, second = (
             centres[:, side]
@@ -109,13 +107,9 @@ class WireShape(PairReader):
         slip = second - first
         slip -= (slip * n).sum(axis=-1, keepdims=True) * n
         length = np.linalg.norm(slip, axis=-1)
-        force, more, work = tangential_forces(length, h[..., 0] - contact.d, histories)
+        force = tangential_sizes(length, histories)
         share = np.divide(force, length, out=np.zeros_like(force), where=length > 0.0)
-        return Friction(
-            force=share[..., None] * slip,
-            slip=(histories["slid"] + more) * histories["closed"],
-            work=histories["work"] + work * histories["closed"],
-        )
+        return share[..., None] * slip
 
     def beyond_ends(self, states: np.ndarray) -> np.ndarray:
         """By how much the wire is beyond the planes of the ends, (states,), mm; see `coilspring.path.Shape`.
@@ -146,6 +140,11 @@ class WireShape(PairReader):
     def size(self) -> int:
         """Number of degrees of freedom, held ones included."""
         return 6 * len(self.data.elements.triads) + 6
+
+    @property
+    def update_history(self) -> Callable:
+        """The model's kernel."""
+        return kernels.update_history
 
     @property
     def assemble(self) -> Callable:

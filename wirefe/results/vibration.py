@@ -17,7 +17,6 @@ from coilspring.compiling.packing import pack
 from coilspring.contact.touching import GRAZING
 from coilspring.errors import require_choice, require_integer
 from coilspring.path import EquilibriumPath, require_step, shape_of
-from wirefe import kernels
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, rows, stations_in, turned_rows
 from wirefe.model import matrix_size
 from wirefe.results.linear import scattered
@@ -114,9 +113,8 @@ def _stiffness(path: EquilibriumPath, shape: WireShape, step: int) -> csr_array:
     force with their whole tangential stiffness.
     """
     state, contact = path.states[step], shape.data.contact
-    given = None if path.histories is None else path.histories[step, None].copy()
-    history = shape.histories(given, state[None])[0]
-    kernels.update_history(*pack(shape.data), state, history)
+    given = None if path.histories is None else path.histories[step, None]
+    (history,) = shape.accepted(state[None], shape.histories(given, state[None]))
     history["bound"] *= 2.0  # it is the force of what slid, but for rounding
     touching = contact._replace(d=(1.0 + 2.0 * GRAZING) * contact.d)  # and so near is what grazes
     return tangent_stiffness(replace(shape, data=shape.data._replace(contact=touching)), state, history)
