@@ -9,9 +9,10 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import equivbeam
@@ -204,6 +205,29 @@ def test_global_of_an_object_is_part_of_its_content():
         space["FACTOR"] = factor
         digests.append(law_of(SimpleNamespace(parameters=softer, energy=space["energy"])).digest)
     assert digests[0] != digests[1]
+
+
+def law_that_reads(held):
+    """The paper's law, whose stiffnesses are multiplied by what something holds."""
+    space = {}
+    exec(compile(PAPER.read_text(), "<test>", "exec"), space)
+
+    def parameters(coil):
+        *stiffnesses, length = space["parameters"](coil)
+        return *(held["factor"] * stiffness for stiffness in stiffnesses), length
+
+    return SimpleNamespace(parameters=parameters, energy=space["energy"])
+
+
+def test_laws_that_read_other_values_are_other_laws():
+    """Also where compiled code could not read them; and by their content, not by their place in memory."""
+    for held in (dict, pd.Series):
+        soft, stiff, again = (law_that_reads(held({"factor": factor})) for factor in (1.0, 2.0, 1.0))
+        assert law_of(soft) == law_of(again) != law_of(stiff)
+        one, two = (equivbeam.solve(spring_a(), steps=1, law=law).tips[-1, 1] for law in (soft, stiff))
+        assert abs(two) < 0.9 * abs(one)
+    with pytest.raises(InputError, match="parameters must read numbers, arrays, or what can be pickled"):
+        law_of(law_that_reads(MappingProxyType({"factor": 1.0})))
 
 
 def test_a_mark_that_an_editor_writes_first_is_no_part_of_a_law(tmp_path):

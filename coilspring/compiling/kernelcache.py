@@ -149,7 +149,7 @@ def _places() -> Iterator[Path]:
 def trim(place: Path) -> None:
     """Remove the entries that have not been used for long, and the oldest of too many."""
     ages: dict[str, float] = {}
-    for file in place.glob("*.nb[ic]*"):
+    for file in place.glob("*-*.nb[ic]*"):
         with suppress(OSError):  # another process was faster
             entry = file.name[: file.name.rindex("-") + 1 + DIGITS]
             ages[entry] = max(ages.get(entry, 0.0), file.stat().st_mtime)
@@ -158,11 +158,19 @@ def trim(place: Path) -> None:
     for number, entry in enumerate(newest):
         if number >= MOST_ENTRIES or ages[entry] < limit:
             for file in place.glob(f"{entry}*"):
-                file.unlink(missing_ok=True)
+                with suppress(OSError):
+                    file.unlink()
 
 
-def content_digest(function: Callable) -> str:
-    """Digest of all that a kernel is compiled from.
+def _unknown(value: Any) -> str:
+    """What has a content of no known kind."""
+    raise TypeError(f"a compiled function reads {value!r}, whose content is unknown")
+
+
+def content_digest(function: Callable, other: Callable[[Any], str] = _unknown) -> str:
+    """Digest of all that a kernel is compiled from, or that a Python function reads.
+
+    `other` describes values that compiled code cannot read.
 
     Raises
     ------
@@ -171,36 +179,9 @@ def content_digest(function: Callable) -> str:
     found = hashlib.sha256()
     versions = (numba.__version__, llvmlite.__version__, np.__version__)
     found.update(repr((versions, [getattr(config, flag, None) for flag in FLAGS])).encode())
-    for line in _described(function, set()):
+    for line in _Content(other).of(function):
         found.update(line.encode() + b"\n")
     return found.hexdigest()
-
-
-def _described(value: Any, seen: set[int]) -> Iterator[str]:
-    """Lines that differ where compiled code would."""
-    value = getattr(value, "py_func", value)  # of a dispatcher
-    if isinstance(value, FunctionType):
-        yield f"function {value.__module__}.{value.__qualname__}"
-        if id(value) not in seen:
-            seen.add(id(value))
-            yield from _described_function(value, seen)
-    elif isinstance(value, np.ndarray | np.generic):
-        array = np.ascontiguousarray(value)
-        yield f"array {array.dtype.descr} {array.shape} {hashlib.sha256(array.tobytes()).hexdigest()}"
-    elif isinstance(value, tuple):
-        yield f"tuple {len(value)}"
-        for item in value:
-            yield from _described(item, seen)
-    elif isinstance(value, frozenset):
-        yield f"set {sorted(map(repr, value))}"  # the order of a set changes with the process
-    elif isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
-        yield f"record {value.__qualname__} {value._fields}"  # type: ignore[attr-defined]
-    elif isinstance(value, type) and issubclass(value, StructRefProxy):
-        yield f"struct {value.__qualname__}"
-    elif isinstance(value, PLAIN) or (isinstance(value, type) and is_foreign(value.__module__)):
-        yield repr(value)
-    else:
-        raise TypeError(f"a compiled function reads {value!r}, whose content is unknown")
 
 
 def is_foreign(module: str) -> bool:
@@ -208,36 +189,72 @@ def is_foreign(module: str) -> bool:
     return module.partition(".")[0] in FOREIGN
 
 
-def _described_function(function: FunctionType, seen: set[int]) -> Iterator[str]:
-    """A function's code and options, and all that it reads from outside."""
-    for name, option in getattr(function, OPTIONS, {}).items():
-        yield f"option {name} {sorted(option) if isinstance(option, set) else option}"
-    yield from _described(function.__defaults__ or (), seen)
-    for cell in function.__closure__ or ():
-        yield from _described(cell.cell_contents, seen)
-    for code in codes(function.__code__):
-        yield f"code {code.co_code.hex()} {code.co_names} {code.co_varnames[: code.co_argcount]}"
-        for constant in code.co_consts:
-            if not isinstance(constant, CodeType) and constant is not function.__doc__:
-                yield from _described(constant, seen)
-        yield from _described_names(function.__globals__, code.co_names, seen)
+class _Content:
+    """Lines that differ where the content of functions and values does."""
 
+    def __init__(self, other: Callable[[Any], str]) -> None:
+        self._other = other
+        self._seen: set[int] = set()
 
-def _described_names(space: Mapping[str, Any], names: Sequence[str], seen: set[int]) -> Iterator[str]:
-    """What code finds under its names in a name space, and in the modules that it finds there."""
-    for name in names:
-        if name not in space:
-            continue  # a builtin, or an attribute of something else
-        value = space[name]
-        yield f"name {name}"
-        if not isinstance(value, ModuleType):
-            yield from _described(value, seen)
-        elif is_foreign(value.__name__):
-            yield f"module {value.__name__}"
-        elif id(value) not in seen:
-            seen.add(id(value))
-            yield from _described_names(vars(value), names, seen)
-            seen.discard(id(value))
+    def of(self, value: Any) -> Iterator[str]:
+        """Lines of a value."""
+        value = getattr(value, "py_func", value)  # of a dispatcher
+        if isinstance(value, FunctionType):
+            yield f"function {value.__module__}.{value.__qualname__}"
+            if id(value) not in self._seen:
+                self._seen.add(id(value))
+                yield from self._of_function(value)
+        elif isinstance(value, np.ndarray | np.generic) and value.dtype != object:
+            array = np.ascontiguousarray(value)
+            yield f"array {array.dtype.descr} {array.shape} {hashlib.sha256(array.tobytes()).hexdigest()}"
+        elif isinstance(value, tuple | list):
+            yield f"tuple {len(value)}"
+            for item in value:
+                yield from self.of(item)
+        elif isinstance(value, dict):
+            yield f"dict {len(value)}"
+            for item in value.items():
+                yield from self.of(item)
+        elif isinstance(value, frozenset):
+            yield f"set {sorted(map(repr, value))}"  # the order of a set changes with the process
+        elif isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
+            yield f"record {value.__qualname__} {value._fields}"  # type: ignore[attr-defined]
+        elif isinstance(value, type) and issubclass(value, StructRefProxy):
+            yield f"struct {value.__qualname__}"
+        elif isinstance(value, PLAIN) or (isinstance(value, type) and is_foreign(value.__module__)):
+            yield repr(value)
+        else:
+            yield self._other(value)
+
+    def _of_function(self, function: FunctionType) -> Iterator[str]:
+        """A function's code and options, and all that it reads from outside."""
+        for name, option in getattr(function, OPTIONS, {}).items():
+            yield f"option {name} {sorted(option) if isinstance(option, set) else option}"
+        yield from self.of(function.__defaults__ or ())
+        for cell in function.__closure__ or ():
+            yield from self.of(cell.cell_contents)
+        for code in codes(function.__code__):
+            yield f"code {code.co_code.hex()} {code.co_names} {code.co_varnames[: code.co_argcount]}"
+            for constant in code.co_consts:
+                if not isinstance(constant, CodeType) and constant is not function.__doc__:
+                    yield from self.of(constant)
+            yield from self._of_names(function.__globals__, code.co_names)
+
+    def _of_names(self, space: Mapping[str, Any], names: Sequence[str]) -> Iterator[str]:
+        """What code finds under its names in a name space, and in the modules that it finds there."""
+        for name in names:
+            if name not in space:
+                continue  # a builtin, or an attribute of something else
+            value = space[name]
+            yield f"name {name}"
+            if not isinstance(value, ModuleType):
+                yield from self.of(value)
+            elif is_foreign(value.__name__):
+                yield f"module {value.__name__}"
+            elif id(value) not in self._seen:
+                self._seen.add(id(value))
+                yield from self._of_names(vars(value), names)
+                self._seen.discard(id(value))
 
 
 def codes(code: CodeType) -> Iterator[CodeType]:

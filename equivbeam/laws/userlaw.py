@@ -8,10 +8,10 @@ law has the same response as the built-in ones.
 from __future__ import annotations
 
 import hashlib
-import inspect
 import linecache
 import math
 import numbers
+import pickle
 import sys
 import traceback
 from collections.abc import Callable
@@ -174,11 +174,19 @@ def _law_of_functions(name: str, parameters: Any, energy: Any) -> UserLaw:
     found = hashlib.sha256()
     for function in (parameters, energy):
         try:
-            found.update(content_digest(function).encode())
-        except TypeError:  # it reads what has no content, a module of another package
-            found.update(inspect.getsource(function).encode())
+            found.update(content_digest(function, _pickled).encode())
+        except Exception as error:  # of pickles, which are of many kinds
+            raise InputError(
+                f"law {name}: {function.__name__} must read numbers, arrays, or what can be pickled, so that "
+                f"laws can be told apart, got what cannot ({' '.join(str(error).split())})"
+            ) from None
     law = UserLaw(name, found.hexdigest(), None, parameters, energy)
     return KNOWN.setdefault(str(law), law)
+
+
+def _pickled(value: Any) -> str:
+    """Content of what parameters read and compiled code could not."""
+    return f"{type(value).__qualname__} {hashlib.sha256(pickle.dumps(value)).hexdigest()}"
 
 
 def _function(name: str, given: Any, role: str) -> FunctionType:
