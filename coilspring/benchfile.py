@@ -117,7 +117,7 @@ def named(file: str) -> Iterator[None]:
     """Put a file's name before what is wrong with it."""
     try:
         yield
-    except InputError as error:
+    except (InputError, csv.Error) as error:
         raise InputError(f"{file}: {error}" if file else str(error)) from None
 
 
@@ -195,10 +195,11 @@ def _head(cell: str) -> tuple[str, str | None]:
 def _heads(cells: list[str]) -> list[tuple[str, float]]:
     """Name of each column, empty where it is none of a curve, and the unit of its numbers in N or mm."""
     heads = [(name, _scale(name, unit) if unit else 1.0) for name, unit in map(_head, cells)]
-    for kind in UNITS:
-        if [name for name, _ in heads].count(kind) > 1:
+    names = [name for name, _ in heads]
+    used = KNOWN if {*names} >= KNOWN.keys() else PATH_COLUMNS
+    for kind in (*UNITS, *used):
+        if names.count(kind) > 1:
             raise InputError(f"curve must have one column {kind}, got several")
-    used = KNOWN if {name for name, _ in heads} >= KNOWN.keys() else PATH_COLUMNS
     return [(name if name in used else "", scale) for name, scale in heads]
 
 

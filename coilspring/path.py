@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Protocol
 import numpy as np
 
 from coilspring.errors import InputError
-from coilspring.pathfile import read_fields, write_fields
+from coilspring.pathfile import OTHER_VERSION, read_fields, write_fields
 from coilspring.scene import Scene
 from coilspring.scene.load import given_loads
 from coilspring.scene.scene import load_directions
@@ -270,7 +270,7 @@ class EquilibriumPath:
         histories = None if self.histories is None else self.histories[rows]
         if histories is not None and 0.0 < mu < np.inf and self.scene.contact.enabled:
             return secants(self, directions)[rows]
-        try:
+        try:  # a path that was loaded may have a user's law that this process does not know
             tangents = self.shape.rates(self.states[rows], histories, directions[rows])
         except InputError:
             return secants(self, directions)[rows]
@@ -374,7 +374,12 @@ def load_path(file: str | Path | BinaryIO) -> EquilibriumPath:
     ------
     InputError : no such file, or one that is no path.
     """
-    return EquilibriumPath(**read_fields(file))
+    try:
+        return EquilibriumPath(**read_fields(file))
+    except InputError:
+        raise
+    except (KeyError, TypeError, ValueError):  # fields of another version
+        raise InputError(OTHER_VERSION.format(str(file))) from None
 
 
 def secants(path: EquilibriumPath, directions: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ from coilspring.scene.toml import scene_from_text, scene_text
 from coilspring.words import shown
 
 MODELS = ("equivbeam", "wirefe")  # packages with a function `path_shape`
+OTHER_VERSION = "file must be a path saved by this version, got {!r}: solve it again"
 READ_AGAIN = ("scene", "shape")  # what is kept as something else
 
 
@@ -62,7 +63,7 @@ def read_fields(file: str | Path | BinaryIO) -> dict[str, Any]:
     histories = arrays.get("histories", known)  # of traced paths none
     other_pairs = histories.dtype != known.dtype or histories.shape != known.shape
     if other_pairs or "least_gaps" not in arrays:
-        raise InputError(f"file must be a path saved by this version, got {str(file)!r}: solve it again")
+        raise InputError(OTHER_VERSION.format(str(file)))
     return {"scene": scene, "shape": shape, **numbers, **arrays}
 
 

@@ -63,7 +63,7 @@ class CurveFit:
         """Residuals of the scene as given; raises why it does not reach the curve's end."""
         start = np.ones(len(self.names))
         try:
-            solve(self.scene_of(start, self.curve.scene), **self.options)
+            self._solve(start)
         except EquilibriumNotFound as failure:
             # a fit is of this model: another one is no advice
             message = self.curve.beyond(replace(failure.path, message=failure.message.replace(ADVICE, "")))
@@ -183,7 +183,10 @@ class CurveFit:
     def _follow(self, shares: np.ndarray) -> None:
         if self._at is not None and np.array_equal(self._at, shares):
             return
+        with suppress(EquilibriumNotFound, InputError):
+            self._solve(shares)
+
+    def _solve(self, shares: np.ndarray) -> None:
         self._at, self.path = shares.copy(), None
         self.evaluations += 1
-        with suppress(EquilibriumNotFound, InputError):
-            self.path = solve(self.scene_of(shares, self.curve.scene), **self.options)
+        self.path = solve(self.scene_of(shares, self.curve.scene), **self.options)

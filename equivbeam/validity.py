@@ -8,7 +8,7 @@ import numpy as np
 
 from coilspring.scene import Scene
 from coilspring.scene.sizing import solid_height
-from coilspring.solver.outcome import worst
+from coilspring.solver.cautions import worst
 from equivbeam.halfcoils import half_coils, nearest_crossing, wire_lengths
 from equivbeam.laws import name_of
 from equivbeam.laws.helix import HIGH, LOW

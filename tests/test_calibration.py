@@ -264,6 +264,8 @@ BAD = {
     "force [lbf],deflection\n1,2": "column force must be in N or kN, got 'lbf'",
     "force,deflection (in)\n1,2": "column deflection must be in mm or cm or m or um or µm, got 'in'",
     "force,load,deflection\n1,2,3": "one column force, got several",
+    "time,uy,uy\n1,2,3": "one column uy, got several",
+    f"force,deflection\n1,{'2' * 200_000}": "bad.csv: field larger than field limit",
     "force,deflection\n1,nan": "bad.csv: line 2 must have a finite number in column 2, got 'nan'",
     "Time,Standardkraft [N]\n1,2": "bad.csv: line 1 has no column deflection (deflection, travel,",
     "Weg [mm],t\n1,2": "force, kraft, standardkraft, prüfkraft, federkraft), found 'Weg [mm], t'",

@@ -78,10 +78,6 @@ def test_determinant_of_coulombs_tangent():
 
 
 ENDS = {"w00182": 0.77848, "w00139": 0.57489, "w00263": 0.43586, "w00691": 0.56630}
-SILENT = pytest.mark.xfail(
-    strict=True,
-    reason="with exact rates none of 11 numbers of steps meets such a state, and all are completed",
-)
 
 
 @pytest.mark.parametrize(("name", "time"), ENDS.items())
@@ -210,7 +206,7 @@ def test_a_path_along_coulombs_tangent_takes_no_thousands_of_substeps():
 @pytest.mark.parametrize(
     ("case", "seed", "steps", "first", "last", "silent"),
     [
-        *(pytest.param("w00892", 953, n, 0.9324, 0.9814, False, marks=SILENT) for n in (2, 10, 30)),
+        ("w00892", 953, 2, 0.9324, 0.9814, True),
         ("w00442", 3002, 2, 0.86684, 0.86686, False),
         ("w00442", 3002, 10, 0.86684, 0.86686, False),
         ("w00442", 3002, 50, 0.86684, 0.86686, False),

@@ -324,12 +324,17 @@ def test_what_is_no_saved_path_is_refused_in_one_sentence(tmp_path):
 
 
 def test_a_path_of_another_version_is_refused(tmp_path):
-    """Its pairs, or what was remembered of them, were others."""
+    """Its pairs, or what was remembered of them, were others; or its fields were."""
     file, path = tmp_path / "path.npz", equivbeam.solve(spring_a(), steps=1)
     words = [(name, PAIR_HISTORY[name]) for name in PAIR_HISTORY.names if name != "whole"]
     other = np.zeros(path.histories.shape, np.dtype(words, align=True))
-    for changed in ({"histories": path.histories[:, 1:]}, {"histories": other}, {"least_gaps": None}):
+    pairs = ({"histories": path.histories[:, 1:]}, {"histories": other}, {"least_gaps": None})
+    for changed in (*pairs, {"speed": 1.0}, {"more": path.times}, {"outcome": "lost"}):
         write_fields(path.__getstate__() | changed, file)
+        with pytest.raises(InputError, match=r"must be a path saved by this version, got .*path\.npz"):
+            load_path(file)
+    for missing in ("model", "message"):
+        write_fields({name: value for name, value in path.__getstate__().items() if name != missing}, file)
         with pytest.raises(InputError, match=r"must be a path saved by this version, got .*path\.npz"):
             load_path(file)
 

@@ -131,7 +131,9 @@ def test_the_equivalent_beam_is_the_fastest_on_the_front(study):
 
 
 def test_a_run_that_ends_early_is_on_no_front(study):
-    assert results.ranked(study.assign(outcome="limit_point"))["on_curve_front"].sum() == 0
+    early = results.ranked(study.assign(outcome="limit_point"))
+    assert early["on_curve_front"].sum() == 0
+    assert page.front_table(early, "curve").rows == ()
 
 
 def test_the_page_is_a_view_of_what_is_recorded(study, tmp_path):

@@ -13,10 +13,11 @@ from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.errors import EquilibriumNotFound, InputError, require_integer
 from coilspring.path import EquilibriumPath
 from coilspring.scene import Scene, require_scene
+from coilspring.solver.cautions import warning
 from coilspring.solver.continuation.arclength import Trace, compiled_trace
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
-from coilspring.solver.outcome import THROUGH, warning
+from coilspring.solver.outcome import THROUGH
 from coilspring.solver.problem import Problem
 from coilspring.solver.startup import kernel_bundle
 from coilspring.solver.system import Data

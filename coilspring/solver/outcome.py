@@ -6,7 +6,6 @@ import numpy as np
 
 from coilspring.contact.history import has_friction
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
-from coilspring.path import EquilibriumPath
 from coilspring.solver.body import body_of, softest
 from coilspring.solver.continuation.follower import MOST_TRIES
 from coilspring.solver.coulomb import goes_on, time_left
@@ -35,8 +34,6 @@ WHY = {
     STUCK: "no equilibrium that continues the branch was found",
     EXHAUSTED: f"the path was stopped after {MOST_TRIES} equilibria besides those at requested times,",
 }
-MOST_BEYOND = 0.5  # wire diameters by which coils may reach beyond an end: a seat would hold them by then
-VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
 
 
 def judged(
@@ -98,27 +95,3 @@ def undecided(track: Track) -> str:
         f"; from time {track.undecided:.6g} on coils can hold each other by other forces as well: "
         "another number of steps may find those"
     )
-
-
-def warning(path: EquilibriumPath) -> str:
-    """What makes some of the rows equilibria of the model rather than of a spring, or nothing."""
-    if not len(path.times):
-        return ""
-    said, d = "", path.scene.spring.wire_diameter
-    row, when = worst(-path.least_gaps, path.times)
-    if (depth := -path.least_gaps[row] / d) > VOID_PENETRATION:
-        said = f"; but{when} coils penetrate by {depth:.2f} wire diameters: the contact stiffness is too low"
-    row, when = worst(lowered := -path.tips[:, 1], path.times)
-    if lowered[row] > path.scene.spring.active_height:
-        return f"{said}; but{when} the top has passed the bottom, which no contact law here prevents"
-    row, when = worst(beyond := path.shape.beyond_ends(path.states), path.times)
-    if beyond[row] > MOST_BEYOND * d:
-        reach = f"coils reach {beyond[row]:.3g} mm beyond an end"
-        return f"{said}; but{when} {reach}, which no seat stops here"
-    return said
-
-
-def worst(values: np.ndarray, times: np.ndarray) -> tuple[int, str]:
-    """The last row of the largest value, and when that is unless at the end of the load."""
-    row = len(times) - 1 - int(np.argmax(values[::-1]))
-    return row, f" at time {times[row]:.6g}" if times[row] < 1.0 else ""

@@ -13,10 +13,11 @@ from coilspring.contact.touching import located_to
 from coilspring.errors import EquilibriumNotFound
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
+from coilspring.solver.cautions import warning
 from coilspring.solver.equilibrium.newton import DECREMENTS
 from coilspring.solver.interface import Kernels
 from coilspring.solver.interrupt import interruptible
-from coilspring.solver.outcome import judged, snaps, undecided, verdict, warning
+from coilspring.solver.outcome import judged, snaps, undecided, verdict
 from coilspring.solver.problem import Problem, Track
 from coilspring.solver.stages import stages
 from coilspring.solver.startup import ready

@@ -25,7 +25,7 @@ from validation.lawstudy import checks, page, springs
 from validation.study.files import prepare, write_files
 from validation.study.frames import to_csv
 from validation.study.keys import key, sources
-from validation.study.machine import versions
+from validation.study.machine import timed_on, versions
 from validation.study.partialsolve import partial_path
 from validation.study.paths import PathStore
 from validation.study.provenance import write_provenance
@@ -122,7 +122,12 @@ def _key(kind: str, *modules: str, **given: object) -> str:
 def _place(law: UserLaw, paths: PathStore, store: Store, progress: Progress) -> Rows:
     errors = springs.errors(law, paths)
     progress("timing")
-    times = _key("times", "wirefe", "validation.lawstudy.springs", "validation.study.timing", law=law)
+    measuring = (
+        "lawstudy.springs",
+        *(f"study.{name}" for name in ("timing", "cases", "paths", "partialsolve")),
+    )
+    modules = (f"validation.{name}" for name in measuring)
+    times = _key("times", "wirefe", *modules, law=law, machine=timed_on())
     (seconds,) = gathered(store, {times: partial(springs.times, law)}, lambda done, of: None)
     both = pd.DataFrame(errors).merge(pd.DataFrame(seconds), on=["scene", "series"])
     return both.to_dict("records")

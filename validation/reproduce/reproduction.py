@@ -21,7 +21,7 @@ from validation.reproduce import ARTEFACTS
 from validation.reproduce.assembly import PAGE, assemble
 from validation.study.files import prepare, write_files, writing
 from validation.study.keys import key, sources
-from validation.study.machine import machine, versions
+from validation.study.machine import timed_on, versions
 from validation.study.provenance import PACKAGES
 from validation.study.store import Store, default_folder
 from validation.view.htmlscene import FILE, is_made, require_extra
@@ -144,13 +144,12 @@ class _Run:
     @cached_property
     def times(self) -> bytes:
         """Table 3 as CSV: stored times of these sources and this processor, or measured now."""
-        here = machine()
         measuring = ("reproduce.times", "study.timing", "study.cases", "study.paths")
         name = key(
             "times",
             sources=sources(*PACKAGES, *(f"validation.{module}" for module in measuring)),
             versions=versions(),
-            machine=[here["processor"], here["cores"], here["system"]],
+            machine=timed_on(),
         )
         files = None if self.time else self.store.get(name)
         if files is None:

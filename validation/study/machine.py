@@ -36,6 +36,12 @@ def machine() -> dict[str, str]:
     }
 
 
+def timed_on() -> list[str]:
+    """What stored times are good for: processor, cores and system."""
+    here = machine()
+    return [here[name] for name in ("processor", "cores", "system")]
+
+
 @cache
 def _processor() -> str:
     """Name of the processor, and the kind that code is compiled for: virtual machines give several one name.

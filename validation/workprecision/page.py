@@ -183,7 +183,7 @@ def front_table(rows: pd.DataFrame, kind: str) -> Table:
     chosen = [part.sort_values("seconds") for _, part in by_scene(rows[rows[f"on_{kind}_front"] == 1])]
     part: Columns = {"part of the paper's mesh": lambda row: f"{row.ratio_to_paper_mesh:.3g}"}
     setting: Columns = {"setting": lambda row: setting_of(row).label}
-    return view(pd.concat(chosen), SCENE | setting | TIME | part | ERRORS)
+    return view(pd.concat([rows.iloc[:0], *chosen]), SCENE | setting | TIME | part | ERRORS)
 
 
 def peer_table(rows: pd.DataFrame) -> Table:

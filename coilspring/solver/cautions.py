@@ -1,0 +1,107 @@
+"""What a reader of a path's rows must know: where they are none of a spring, or hide what it did."""
+
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from coilspring.path import EquilibriumPath
+from coilspring.scene.load import given_loads
+from coilspring.scene.sizing import axial_rate
+
+MOST_BEYOND = 0.5  # wire diameters by which coils may reach beyond an end: a seat would hold them by then
+VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
+# Times the way at the rate at rest. Of 2200 random springs on which no force acts sideways, those that leaned
+# by less than 0.02 moved by at most 1.05 times that way, on plates by 1.34 times; all beyond leaned by 0.1.
+BUCKLED = 1.5
+MOST_TOLD = 100.0  # of these times
+SUDDEN = 2.0  # times the speed before, with which the top moves on from the last row to the end of a path
+
+
+def worst(values: np.ndarray, times: np.ndarray) -> tuple[int, str]:
+    """The last row of the largest value, and when that is unless at the end of the load."""
+    row = len(times) - 1 - int(np.argmax(values[::-1]))
+    return row, f" at time {times[row]:.6g}" if times[row] < 1.0 else ""
+
+
+class Reached(NamedTuple):
+    """Rows of a path, and, if it ended before time 1, the last equilibrium."""
+
+    times: np.ndarray
+    states: np.ndarray
+    least_gaps: np.ndarray
+    tips: np.ndarray
+    ended: bool  # whether the last one is no row
+
+    @classmethod
+    def of(cls, path: EquilibriumPath) -> Self:
+        """All that a path has reached."""
+        times, states, gaps = path.times, path.states, path.least_gaps
+        if path.last_state is not None and path.end_bracket is not None and path.end_bracket[0] > 0.0:
+            last = path.last_state[None]
+            times, states = np.append(times, path.end_bracket[0]), np.concatenate((states, last))
+            gaps = np.append(gaps, path.shape.pair_gaps(last).min(initial=np.inf))
+        return cls(times, states, gaps, path.shape.tips(states), len(times) > len(path.times))
+
+    def worst(self, values: np.ndarray) -> tuple[int, str]:
+        """As `worst`; at the end of a path that ended before, "there", which the message has just named."""
+        row, when = worst(values, self.times)
+        return row, " there" if self.ended and row == len(self.times) - 1 else when
+
+
+def warning(path: EquilibriumPath) -> str:
+    """What makes some of the rows equilibria of the model rather than of a spring, that the spring buckled,
+    or that it moved far behind the last row; or nothing."""
+    rows = Reached.of(path)
+    if not len(rows.times):
+        return ""
+    return _no_spring(path, rows) + _buckled(path, rows) + _moves_on(path, rows)
+
+
+def _no_spring(path: EquilibriumPath, rows: Reached) -> str:
+    """What no spring does."""
+    said, d = "", path.scene.spring.wire_diameter
+    row, when = rows.worst(-rows.least_gaps)
+    if (depth := -rows.least_gaps[row] / d) > VOID_PENETRATION:
+        said = f"; but{when} coils penetrate by {depth:.2f} wire diameters: the contact stiffness is too low"
+    row, when = rows.worst(lowered := -rows.tips[:, 1])
+    if lowered[row] > path.scene.spring.active_height:
+        return f"{said}; but{when} the top has passed the bottom, which no contact law here prevents"
+    row, when = rows.worst(beyond := path.shape.beyond_ends(rows.states))
+    if beyond[row] > MOST_BEYOND * d:
+        reach = f"coils reach {beyond[row]:.3g} mm beyond an end"
+        return f"{said}; but{when} {reach}, which no seat stops here"
+    return said
+
+
+def _buckled(path: EquilibriumPath, rows: Reached) -> str:
+    """That an axial load moved the top much farther than at the rate at rest, where it is farthest."""
+    load, scene = path.scene.load, path.scene
+    if load.displacement:
+        rows = rows._replace(times=path.times, tips=path.tips, ended=False)  # whose reactions are known
+    if any(x for x, _ in (load.force, *load.stages)) or not len(rows.times):
+        return ""
+    row, when = rows.worst(np.abs(rows.tips[:, 1]))
+    way = float(rows.tips[row, 1])
+    if load.displacement:
+        force = float(path.select(slice(row, row + 1)).loads[0, 1])
+    else:
+        force = float(given_loads(load, rows.times[row : row + 1])[0, 1])
+    straight = force / (axial_rate(scene) * scene.factors.axial)
+    if not abs(way) > BUCKLED * abs(straight):
+        return ""
+    times = abs(way / straight) if straight else np.inf
+    far = f"{times:.2g} times" if times < MOST_TOLD else f"more than {MOST_TOLD:g} times"
+    moved = f"the top has moved {far} as far as at the spring's rate at rest"
+    return f";{when} {moved}: the spring has buckled"
+
+
+def _moves_on(path: EquilibriumPath, rows: Reached) -> str:
+    """That the top moved suddenly between the last row and the end."""
+    if not 0 < len(path.times) < len(rows.times):
+        return ""
+    before, end = rows.tips[-2:, :2]
+    left = rows.times[-1] / rows.times[-2] - 1.0
+    moved = float(np.hypot(*(end - before)))
+    if moved <= SUDDEN * left * float(np.hypot(*before)) or moved <= path.scene.spring.wire_diameter:
+        return ""
+    return f"; from its last row, at time {rows.times[-2]:.6g}, to its end the top moves by {moved:.3g} mm"

@@ -1,0 +1,67 @@
+"""What messages say of rows that are none of a spring, of springs that buckled, and of what no row shows."""
+
+import numpy as np
+import pytest
+
+import equivbeam
+import wirefe
+from coilspring import Load, Scene, Spring, Supports
+from validation.campaign.scenes import case_id, make_case
+from validation.campaign.verdict import reached
+from validation.study.partialsolve import partial_path
+
+SLENDER = Spring(wire_diameter=1.0, mean_diameter=8.0, active_coils=24.0, active_height=96.0)
+BUCKLED = "as far as at the spring's rate at rest: the spring has buckled"
+WIRE = {"element": "curved", "elements_per_turn": 8}
+
+
+def slender(load):
+    return Scene("slender", SLENDER, load, supports=Supports(top_held=("ux",)))
+
+
+@pytest.mark.parametrize(
+    ("load", "times"),
+    [(Load((0.0, -3.3), 4), 5.2), (Load(displacement=(-20.8,), steps=4), 5.1), (Load((0.0, -3.0), 4), 0.0)],
+    ids=["force", "displacement", "below"],
+)
+def test_a_wire_that_leans_and_goes_on_is_said_to_buckle(load, times):
+    """Its coils make the bifurcation of the column imperfect: there is no critical point."""
+    path = partial_path(wirefe.solve, slender(load), **WIRE)
+    assert path.outcome == "completed"
+    said = f"; the top has moved {times:.2g} times {BUCKLED}" if times else ""
+    assert path.message.endswith(said)
+    assert (BUCKLED in path.message) == bool(times)
+
+
+def test_what_happens_behind_the_last_row_is_said():
+    """Row by row the spring seems to shorten by 3.8 mm under 3 N; it ends at ten times that way."""
+    path = partial_path(wirefe.solve, slender(Load((0.0, -30.0), 10)), **WIRE)
+    assert path.outcome == "limit_point"
+    moved = np.hypot(*(path.shape.tips(path.last_state[None])[0] - path.tips[-1])[:2])
+    assert moved > 8.0 * np.hypot(*path.tips[-1, :2])
+    assert f"; from its last row, at time 0.1, to its end the top moves by {moved:.3g} mm" in path.message
+    assert "; but there coils reach" in path.message
+    assert f"; there the top has moved 9.9 times {BUCKLED}" in path.message
+
+
+def test_a_row_near_the_end_shows_what_happens():
+    path = partial_path(equivbeam.solve, slender(Load((0.0, -3.3), 20)))
+    assert path.outcome == "bifurcation"
+    assert path.message.endswith("the branch loses its stability")
+
+
+@pytest.mark.parametrize(("letter", "count"), [("b", 400), ("w", 24)])
+def test_springs_that_are_said_to_buckle_lean(letter, count):
+    """Of random springs on which no force acts sideways."""
+    said = 0
+    for number in range(count):
+        case = make_case(case_id(letter, number), 3006)
+        if case.scene.load.force[0] or case.scene.load.force[1] > 0.0:
+            continue
+        path = reached(case)
+        if BUCKLED in path.message:
+            said += 1
+            ends = path.states[:0] if path.last_state is None else path.last_state[None]
+            tips = path.shape.tips(np.concatenate((path.states, ends)))
+            assert np.abs(tips[:, 2]).max() > 0.1
+    assert said > 3 or letter == "w"
