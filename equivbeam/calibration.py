@@ -183,15 +183,15 @@ def _fitted(scene: Scene, fit: CurveFit, before: np.ndarray) -> Calibration:
     """Fit a scene, whose residuals are `before` as it is given."""
     names = fit.names
     shares, J, fitted, doubtful = fit.solved()
-    after, path, evaluations = fit.residuals(shares), fit.path, fit.evaluations
+    after, path = fit.residuals(shares), fit.path
     assert path is not None  # the best point is one that was reached
     lost, left = undetermined(J, fitted, doubtful), [i for i in range(len(names)) if i not in fitted]
     spread, freedom = fiterrors.spread(J, fitted, after, fit.curve.times)
     warning = fit.warning(shares, J, spread, fitted)
-    rows = fiterrors.means(after, fit.curve.times)
+    parts = fiterrors.branches(after, fit.curve.times)
     unknown = lost | bool(warning) | (fiterrors.root_mean_square(after) <= EXACT)
     errors = np.where(unknown, np.nan, fit.scale * np.diag(spread))
-    misfit = _misfit(after, rows, J[:, fitted])
+    misfit = _misfit(after, parts, J[:, fitted])
     if misfit and misfit != TOO_FEW and np.isfinite(errors).any():
         misfit += "; the intervals take the error left for chance, and can miss the true values"
     return Calibration(
@@ -210,15 +210,16 @@ def _fitted(scene: Scene, fit: CurveFit, before: np.ndarray) -> Calibration:
         path=path,
         rms_before=fiterrors.root_mean_square(before),
         rms_after=fiterrors.root_mean_square(after),
-        scatter=fiterrors.scatter(rows),
-        evaluations=evaluations,
+        scatter=fiterrors.scatter(parts),
+        evaluations=fit.evaluations,
     )
 
 
-def _misfit(residuals: np.ndarray, rows: np.ndarray, J: np.ndarray) -> str:
-    """In words that the residuals are no scatter, or nothing; `rows`: their `fiterrors.means`."""
-    rms, scatter = fiterrors.root_mean_square(residuals), fiterrors.scatter(rows)
-    poor, systematic = rms > POOR, fiterrors.root_mean_square(rows) > max(SYSTEMATIC * scatter, EXACT)
+def _misfit(residuals: np.ndarray, parts: Sequence[np.ndarray], J: np.ndarray) -> str:
+    """In words that the residuals are no scatter, or nothing; `parts`: their `fiterrors.branches`."""
+    rms, scatter = fiterrors.root_mean_square(residuals), fiterrors.scatter(parts)
+    left = fiterrors.root_mean_square(np.concatenate(parts))
+    poor, systematic = rms > POOR, left > max(SYSTEMATIC * scatter, EXACT)
     if not (poor or systematic):
         return "" if np.isfinite(scatter) else TOO_FEW
     what = "the model does not fit the curve" if poor else "the error left is systematic"
@@ -226,6 +227,9 @@ def _misfit(residuals: np.ndarray, rows: np.ndarray, J: np.ndarray) -> str:
     if not np.isfinite(scatter):
         return found
     found += f", where neighbouring points scatter by {plain(100 * scatter)} %"
+    apart = fiterrors.hysteresis(parts)
+    if apart > SYSTEMATIC * scatter:
+        found += f"; loading and unloading differ by {plain(100 * apart)} %, which the model does not"
     constant = constant_part(J, residuals)
     cure = f"; an offset of the deflection takes {100 * constant:.0f} % of its square away: fit offset too"
     return found + (cure if constant > HELPS else "")

@@ -1,6 +1,7 @@
 """What a fit determines, and how well: of its residuals and their derivatives J by shares of parameters."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,6 +11,7 @@ import numpy as np
 RESOLVED = 1e-8
 TRADED = 1e-3  # relative change of a parameter, for another's by its whole value, that counts
 OTHERWISE = 0.05  # share of a parameter's effect that others beside it need not have, to stand for it
+TURNS = 0.2  # of the range of the load, by which it goes back where a branch ends
 SHAPES = 2  # of a misfit: the slowest along the curve that the parameters cannot follow
 
 
@@ -103,9 +105,37 @@ def root_mean_square(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def scatter(rows: np.ndarray) -> float:
-    """Root mean square of `means` about their neighbours, without what varies slowly; nan of too few."""
-    return root_mean_square(np.diff(rows, 2, axis=0)) / math.sqrt(6.0) if len(rows) > 2 else np.nan
+def branches(residuals: np.ndarray, times: np.ndarray) -> list[np.ndarray]:
+    """`means` of each branch of loading or unloading, in the order of the points.
+
+    One ends where the load goes back by more than `TURNS` of its range. All are one in another order.
+    """
+    way, turns, end = 1.0, [], 0
+    for i, time in enumerate(times):
+        if way * (time - times[end]) >= 0.0:
+            end = i
+        elif way * (times[end] - time) > TURNS * np.ptp(times):
+            turns.append(end + 1)
+            way, end = -way, i
+    rows = residuals.reshape(times.size, -1)
+    pieces = zip(np.split(rows, turns), np.split(times, turns), strict=True)
+    found = [means(row, time) for row, time in pieces if time.size]
+    known = sum(max(len(part) - 2, 0) for part in found)
+    whole = means(residuals, times)
+    return found if 2 * known > len(whole) - 2 else [whole]
+
+
+def scatter(parts: Sequence[np.ndarray]) -> float:
+    """Root mean square of the means on `branches` about their neighbours, without what varies slowly; nan of
+    too few."""
+    bends = np.concatenate([np.diff(part, 2, axis=0) for part in parts])
+    return root_mean_square(bends) / math.sqrt(6.0) if bends.size else np.nan
+
+
+def hysteresis(parts: Sequence[np.ndarray]) -> float:
+    """Mean difference between loading and unloading, `branches` that take turns; 0 where there is but one."""
+    ways = [np.concatenate(parts[way::2]).mean(axis=0) for way in (0, 1) if parts[way::2]]
+    return float(np.abs(ways[0] - ways[1]).max()) if len(ways) > 1 else 0.0
 
 
 def constant_part(J: np.ndarray, residuals: np.ndarray) -> float:

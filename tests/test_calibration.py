@@ -864,6 +864,21 @@ def test_a_systematic_error_is_not_in_the_intervals():
     assert fit((force, deflection + noise), ["axial"]).misfit == ""
 
 
+def test_hysteresis_is_no_scatter():
+    """Of loading and unloading in one file neighbours along the force are of both; so it was taken for it."""
+    force, deflection = measured_of(GUIDED)
+    noise = np.random.default_rng(4).normal(scale=NOISE / 8, size=(2, force.size))
+    up, down = deflection + noise[0], 1.02 * deflection + noise[1]
+    loop = np.append(force, 0.99 * force[::-1]), np.append(up, down[::-1])
+    found, alone = fit(loop, ["axial"]), fit((force, up), ["axial"])
+    assert alone.misfit == ""
+    assert found.scatter == pytest.approx(alone.scatter, rel=0.5)
+    assert "the error left is systematic" in found.misfit
+    assert "loading and unloading differ by" in found.misfit
+    mixed = np.random.default_rng(5).permutation(force.size)
+    assert fit((force[mixed], up[mixed]), ["axial"]).scatter == pytest.approx(alone.scatter, rel=1e-6)
+
+
 def test_parameters_that_nearly_stand_for_each_other_are_named():
     """G and the wire's diameter differ by where coils close, and the offset from both."""
     scene = replace(GUIDED, spring=PROGRESSIVE, load=Load((0.0, -150.0), 20))
