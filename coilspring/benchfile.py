@@ -85,6 +85,8 @@ def read_table(source: Source) -> CurveTable:
     if isinstance(source, CurveTable):
         return source
     if not isinstance(source, str | Path):
+        if not hasattr(source, "keys"):
+            raise InputError(f"curve must be a path, a table or a CSV file, got {shown(source)}")
         return CurveTable(*_given(source))
     text = _text(Path(source))
     with named(str(source)):

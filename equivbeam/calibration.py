@@ -17,7 +17,7 @@ from equivbeam import fiterrors
 from equivbeam.curvefit import OFFSET, CurveFit
 from equivbeam.fiterrors import constant_part, undetermined
 from equivbeam.loadcurve import read_curve
-from equivbeam.sensitivity import FACTORS, NAMES, unit
+from equivbeam.sensitivity import FACTORS, NAMES, different, unit
 
 HELPS = 0.5  # share of the square of the error left that an offset takes away, to be named
 POOR = 0.03  # rms error, over the peaks, above which a model does not fit
@@ -168,10 +168,7 @@ def calibrate(
 
 def _named(parameters: Sequence[str], law: object) -> tuple[str, ...]:
     """Names of parameters that can be fitted with a law; `InputError` where they are not."""
-    names = tuple(parameters)
-    if isinstance(parameters, str) or not names or len(set(names)) < len(names):
-        got = parameters if isinstance(parameters, str) else ",".join(map(str, names))
-        raise InputError(f"parameters must be a list of different names, got {shown(got)}")
+    names = different(parameters)
     require_names("parameters", names, (*NAMES, OFFSET))
     factor = next((name for name in names if name in FACTORS), None)
     if factor and law != "haringx":

@@ -13,6 +13,7 @@ from coilspring.errors import InputError, require_choice
 from coilspring.path import EquilibriumPath, shape_of
 from coilspring.scene import Scene
 from coilspring.scene.material import Material
+from coilspring.words import shown
 from equivbeam import band, kernels
 from equivbeam.model import BeamModel, build_model, matrix_size, with_tangent
 from equivbeam.options import BeamOptions
@@ -88,6 +89,14 @@ def values(scene: Scene, names: tuple[str, ...]) -> np.ndarray:
     return np.array([each.read(getattr(scene, each.part)) for each in wanted])
 
 
+def different(parameters: Sequence[str]) -> tuple[str, ...]:
+    """Names of parameters; `InputError` for none, the same twice, or a text in place of a list."""
+    names = () if isinstance(parameters, str) else tuple(parameters)
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"parameters must be a list of different names, got {shown(parameters)}")
+    return names
+
+
 def unit(scene: Scene, name: str) -> str:
     """Unit of a parameter of a scene; empty for a pure number."""
     if name == "penalty":
@@ -147,9 +156,9 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     Raises
     ------
     InputError : unknown name, a diameter or the pitch of a spring of sections, another model's path, or one
-        with friction.
+        with friction or a prescribed displacement.
     """
-    names = tuple(parameters)
+    names = different(parameters)
     shape: BeamShape = shape_of(path, "equivbeam", "sensitivities")
     if shape.data.mu > 0.0 and path.scene.contact.enabled:
         raise InputError("sensitivities needs a path without friction, got sliding = 'scene'")

@@ -6,8 +6,10 @@ import pytest
 import equivbeam
 import wirefe
 from coilspring import Load, Scene, Spring, Supports
+from coilspring.curves import compare_paths
 from validation.campaign.scenes import case_id, make_case
 from validation.campaign.verdict import reached
+from validation.cli.terminal import deviation
 from validation.study.partialsolve import partial_path
 
 SLENDER = Spring(wire_diameter=1.0, mean_diameter=8.0, active_coils=24.0, active_height=96.0)
@@ -48,6 +50,17 @@ def test_a_row_near_the_end_shows_what_happens():
     path = partial_path(equivbeam.solve, slender(Load((0.0, -3.3), 20)))
     assert path.outcome == "bifurcation"
     assert path.message.endswith("the branch loses its stability")
+
+
+def test_a_peak_beyond_what_was_compared_is_named():
+    """The beam ends at 0.94 of the load, where the wire leans to six times as far."""
+    beam, wire = (
+        partial_path(model.solve, slender(Load((0.0, -3.3), 20)), **options)
+        for model, options in ((equivbeam, {}), (wirefe, WIRE))
+    )
+    said = deviation(compare_paths(beam, wire), wire)
+    assert said[1].endswith(f"{-wire.tips[-1, 1]:.3g} mm at time 1, beyond these steps")
+    assert "beyond" not in "".join(deviation(compare_paths(wire, wire), wire))
 
 
 @pytest.mark.parametrize(("letter", "count"), [("b", 400), ("w", 24)])

@@ -194,3 +194,10 @@ def test_what_each_section_has_of_its_own_is_no_parameter(name):
 def test_parameters_to_fit_are_a_list_of_different_names(names):
     with pytest.raises(InputError, match="parameters must be a list of different names"):
         equivbeam.calibrate(AXIAL, equivbeam.solve(AXIAL), names)
+    with pytest.raises(InputError, match="parameters must be a list of different names"):
+        equivbeam.sensitivities(equivbeam.solve(AXIAL), names)
+
+
+def test_a_curve_that_is_none_is_refused():
+    with pytest.raises(InputError, match="^curve must be a path, a table or a CSV file, got None$"):
+        equivbeam.calibrate(AXIAL, None, ["axial"])

@@ -180,8 +180,12 @@ def deviation(found: Comparison, wire: EquilibriumPath) -> list[str]:
     worst = max(names, key=found.component_max.__getitem__)
     # of a component that hardly moves the share is large though nothing is wrong
     units = {"ux": "mm", "uy": "N" if prescribed else "mm", "rotz": "rad"}
-    answers = Curve.of(wire).by_name.items()
-    peaks = {name: f"{np.abs(values).max():.3g} {units[name]}" for name, values in answers}
+    peaks = {}
+    for name, values in Curve.of(wire).by_name.items():
+        row = int(np.abs(values).argmax())
+        time = float(wire.times[row])
+        beyond = f" at time {time:g}, beyond these steps" if time > found.last_time else ""
+        peaks[name] = f"{np.abs(values[row]):.3g} {units[name]}{beyond}"
     return [
         f"difference over {counted(found.steps, 'common step')}: "
         f"curve {100 * found.curve_max:.3g} % at most ({names[worst]}), {100 * found.curve_rms:.3g} % rms; "

@@ -11,12 +11,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 from validation.study.style import BEAM_LINE, WIRE_LINE, Look
 
 COLOURS = 256  # of a stored picture; keeps the files small, and is off by a few levels of 255
 FEW = 12  # steps of a curve whose points are marked
+NARROW = 0.35  # width over height of a picture to scale that has room for few labels
 
 
 def png(figure: Figure, exact: bool = False) -> bytes:
@@ -57,6 +59,8 @@ def to_scale(axes: Axes, centres: np.ndarray, margin: float, **more: Any) -> Non
     (left, low), (right, high) = centres.min(axis=0)[:2] - margin, centres.max(axis=0)[:2] + margin
     axes.set(aspect="equal", xlim=(left, right), ylim=(low, high), xlabel="X (mm)", ylabel="Y (mm)", **more)
     axes.grid(False)
+    if right - left < NARROW * (high - low):  # so that labels do not run into each other
+        axes.xaxis.set_major_locator(MaxNLocator(2))
 
 
 def both(axes: Axes, beam: tuple[np.ndarray, np.ndarray], wire: tuple[np.ndarray, np.ndarray]) -> None:

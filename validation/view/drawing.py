@@ -44,7 +44,7 @@ def _side(axes: Axes, spring: Spring) -> None:
     sections = spring.points(spring.circle_phases())[:, :2]
     discs(axes, sections, d, facecolors="none", edgecolors="black", linewidths=0.7)
     axes.plot((0.0, 0.0), (0.0, spring.active_height), color=RED, linewidth=0.6, marker="o", markersize=2.5)
-    to_scale(axes, points, 0.55 * d, title="at rest, with the reference points")
+    to_scale(axes, points, d, title="at rest, with the reference points")
 
 
 def _coils(plots: Mapping[str, Axes], scene: Scene) -> None:

@@ -103,6 +103,12 @@ class WireStress:
 def stress(path: EquilibriumPath, step: int = -1) -> WireStress:
     """Stresses along the wire at a stored step of a path of the wire model.
 
+    Returns
+    -------
+    WireStress
+        Arrays (sections,), 32 sections a turn at least: turns from the first active point, forces, N,
+        moments, N mm, and stresses, MPa.
+
     Raises
     ------
     InputError : the path is not of the wire model, or has no such step.
