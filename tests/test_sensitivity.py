@@ -199,5 +199,5 @@ def test_parameters_to_fit_are_a_list_of_different_names(names):
 
 
 def test_a_curve_that_is_none_is_refused():
-    with pytest.raises(InputError, match="^curve must be a path, a table or a CSV file, got None$"):
+    with pytest.raises(InputError, match=r"^curve must be a path, a table or a CSV file, got None$"):
         equivbeam.calibrate(AXIAL, None, ["axial"])

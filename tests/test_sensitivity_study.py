@@ -52,6 +52,7 @@ from validation.sensitivity.inputs import AGAINST, INPUTS, LIKE, NOT_GIVEN, READ
 from validation.sensitivity.run import digest, sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.sensitivity.tornado import draw
+from validation.study import paths
 from validation.study.cases import PAPER_MESH, case
 from validation.study.models import BEAM, MODELS, WIRE
 from validation.study.paths import solve_beam, solve_wire
@@ -459,3 +460,26 @@ def test_bad_scenes_are_refused_in_one_sentence(arguments, part, tmp_path, monke
     assert message.count("\n") == 1
     assert part in message
     assert not list(tmp_path.iterdir())
+
+
+def test_what_was_solved_before_an_interrupt_is_kept(tmp_path, monkeypatch):
+    monkeypatch.setenv("COILCHECK_STORE", str(tmp_path / "store"))
+    solved = []
+    for name in ("solve_beam", "solve_wire"):
+        solve = getattr(paths, name)
+        monkeypatch.setattr(paths, name, lambda *given, of=solve, **by: solved.append(1) or of(*given, **by))
+
+    def progress(line):
+        if len(solved) > 4:
+            raise KeyboardInterrupt
+
+    scene = case(BARE).scene.with_steps(2)
+    with pytest.raises(KeyboardInterrupt, match="what is solved is kept; the same command goes on"):
+        sensitivity(tmp_path / "out", progress=progress, scenes={"bare": scene})
+    before = len(solved)
+    sensitivity(tmp_path / "out", scenes={"bare": scene})
+    whole = len(solved)
+    assert before < whole
+    sensitivity(tmp_path / "out", scenes={"bare": scene})
+    assert len(solved) == whole
+    assert len(list((tmp_path / "store").glob("*.coilcheck"))) == whole

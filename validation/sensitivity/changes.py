@@ -23,6 +23,7 @@ from validation.study.frames import TIPS, frame_table
 from validation.study.models import BEAM, MODELS, WIRE
 from validation.study.partialsolve import ending
 from validation.study.paths import PathStore
+from validation.study.store import Store
 
 NO_INPUT, COMPLETED = "not an input", "completed"
 ROUNDING = 1e-6  # %: a smaller change counts as none
@@ -62,9 +63,15 @@ class Study:
         return next((each.title for each in CASES if each.name == self.name), self.name)
 
 
-def changes(name: str, scene: Scene, inputs: tuple[OpenInput, ...], progress: Callable[[str], None]) -> Study:
-    """Vary the inputs of a scene; `InputError` where neither model represents it."""
-    store = PathStore(lambda line: None)
+def changes(
+    name: str,
+    scene: Scene,
+    inputs: tuple[OpenInput, ...],
+    progress: Callable[[str], None],
+    keep: Store | None = None,
+) -> Study:
+    """Vary the inputs of a scene; `InputError` where neither model represents it. A store keeps paths."""
+    store = PathStore(lambda line: None, keep or Store(None))
     defaults, left_out = _defaults(store, name, scene)
     if not defaults:
         return Study(name, pd.DataFrame(columns=COLUMNS), (), None, left_out=tuple(left_out))

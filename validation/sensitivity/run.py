@@ -23,6 +23,7 @@ from validation.study.models import MODELS
 from validation.study.partialsolve import EndedEarly, ending
 from validation.study.paths import make_ready
 from validation.study.provenance import write_provenance
+from validation.study.store import Store, default_folder
 from validation.study.template import page, template
 
 PAGE, OWN_PAGE = (template(Path(__file__).with_name(name)) for name in ("page.md", "own.md"))
@@ -66,13 +67,15 @@ def sensitivity(
     make_ready()
     cases = {case.name: case.scene for case in CASES if only is None or case.name in only}
     studies: list[Study] = []
-    for name, scene in (scenes or cases).items():
-        studies.append(changes.changes(name, scene, inputs_of(scene) if scenes else INPUTS, progress))
-        if done := _varied(studies):
-            changes.write_csv(done, out)
-    if not done:
+    store = Store(default_folder())
+    with store.kept_if_interrupted():
+        for name, scene in (scenes or cases).items():
+            inputs = inputs_of(scene) if scenes else INPUTS
+            studies.append(changes.changes(name, scene, inputs, progress, store))
+    if not (done := _varied(studies)):
         raise EndedEarly(ended_early(studies))
     progress("drawing")
+    changes.write_csv(done, out)
     tornado.write(done, out)
     write_page(studies, out, own=bool(scenes))
     options = [*(scenes or ()), *(["--only", ",".join(only)] if only else [])]
