@@ -235,6 +235,7 @@ def test_a_bifurcation_is_confirmed_where_pairs_of_hard_contact_hardly_touch():
     assert run.verified("b004935", 603)["class"] == "bifurcation"
 
 
+@pytest.mark.slow
 def test_how_far_a_release_leads_is_the_way_of_a_point():
     """0.249 wire diameters in one direction, 0.256 in all."""
     assert run.verified("w00408", 502)["class"] == "jump"
@@ -699,6 +700,7 @@ def test_rounding_of_a_flat_spring_is_that_of_its_radius():
     assert run.verified("w00455", 952)["class"] == "completed"
 
 
+@pytest.mark.slow  # verified besides
 def test_rounding_at_a_node_is_that_of_all_stations_on_an_element():
     """A solid stack that moves by 8e-9 mm, 30 stations on 8 elements a turn. Positions changed by the last
     digit change the forces at a node by up to 12 times what the rounding of one pair's gap tells."""

@@ -12,7 +12,15 @@ from coilspring import InputError
 from validation.study.template import statement
 from validation.verification import requested, requestedpage
 from validation.verification.requestedpage import FREE, HELD, OPEN, ROUGH, WIRES, WORDS, prepared, short
-from validation.verification.requestedruns import ACCURACIES, REFUSED, springs
+from validation.verification.requestedruns import (
+    ACCURACIES,
+    OTHERS,
+    PLATES,
+    REFUSED,
+    SECTIONS,
+    UNLOADED,
+    springs,
+)
 
 ROOT = Path(__file__).parents[1]
 FOUND = {"stations": 64.0, "estimated": 2e-5, "true": 1e-5, "seconds": 0.5, "cheapest": 0.2}
@@ -57,13 +65,15 @@ def test_page_is_a_view_of_the_recorded_rows(recorded):
 
 
 def perturbed(data):
-    """Other springs, errors, estimates, times and refusals."""
+    """Other springs, kinds, errors, estimates, times and refusals."""
     rng = np.random.default_rng(2)
     factors = rng.uniform(0.2, 5.0, (len(data), 4))
     seed = 9 if data.seed.isin(requestedpage.SEEN).any() else requestedpage.SEEN[0]
     data = data.assign(
         seed=seed, coils=data.coils + 0.25, contact=data.contact.replace("spheres free", "wires none")
     )
+    kinds = {PLATES: UNLOADED} if (data.kind == PLATES).any() else {data.kind.iloc[0]: PLATES}
+    data = data.assign(kind=data.kind.replace(kinds))
     data[["own", "estimated", "true", "seconds"]] *= factors
     data.loc[::7, "cheapest"] = math.nan
     return refused(data, data.index[::11])
@@ -187,12 +197,20 @@ def test_numbers_as_accuracies_are_written():
 
 
 def test_springs_are_what_the_page_says():
-    """Rigid end turns, no plates, no unloading; whole and half coils, as `docs/limits.md` says."""
-    for _, scene in springs(1):
-        assert scene.supports.seat == "rigid"
-        assert not scene.load.stages
+    """Rigid ends and one load but in kinds of their own; whole and half coils, as `docs/limits.md` says."""
+    found = [(drawn, scene) for drawn, scene in springs(6)]
+    assert len({(drawn.seed, drawn.kind, drawn.number) for drawn, _ in found}) == len(found) == 6 * 11
+    for drawn, scene in found:
+        back = len(scene.load.stages or scene.load.displacement or (0.0,))
+        assert (scene.supports.seat == "plate") == (drawn.kind == PLATES)
+        assert back == (2 if drawn.kind == UNLOADED else 1)
         assert 2.0 * scene.spring.active_coils % 1.0 == 0.0
-        assert len(scene.load.displacement or (0.0,)) == 1
+        if drawn.kind == SECTIONS:
+            assert scene.spring.sections
+        if drawn.kind in OTHERS and not scene.load.displacement:
+            (x, y), *_ = scene.load.stages or (scene.load.force,)
+            assert y < -10.0 * abs(x)
+    assert max(len(scene.spring.sections) for drawn, scene in found if drawn.kind == SECTIONS) > 2
 
 
 @pytest.fixture
@@ -215,8 +233,8 @@ def test_several_seeds_go_on_where_they_were_interrupted(tmp_path, solved):
     arguments = ["--out", str(tmp_path), "--each", "1", "--seed"]
     requested.main([*arguments, "1"])
     requested.main([*arguments, "1", "2"])
-    assert solved == [1] * 8 + [2] * 8
-    assert len(pd.read_csv(tmp_path / requested.CSV)) == 48
+    assert solved == [1] * 11 + [2] * 11
+    assert len(pd.read_csv(tmp_path / requested.CSV)) == 66
 
 
 @pytest.mark.parametrize("left", [1, 2, 3, 4], ids=lambda left: f"{left} lines")
@@ -231,7 +249,7 @@ def test_a_spring_of_which_rows_are_missing_is_solved_again(left, cut, tmp_path,
     file.write_text(part[: len(part) - cut])
     solved.clear()
     pd.testing.assert_frame_equal(requested.study(tmp_path, 1, (1,)), whole)
-    assert len(solved) == (7 if (left, cut) == (4, 0) else 8)
+    assert len(solved) == (10 if (left, cut) == (4, 0) else 11)
     assert file.read_text() == text
 
 

@@ -11,20 +11,26 @@ TURN = 2.0 * math.pi
 NUDGE = 1e-9  # rad: so far beside a point are the tangents whose mean it has
 
 
-def coil_shape(spring: Spring, phases: np.ndarray, order: int = 0) -> np.ndarray:
+def coil_shape(spring: Spring, phases: np.ndarray, order: int = 0, below: bool = False) -> np.ndarray:
     """Radius and height (2, ...) of the active wire at the phases, or their derivatives of some order; where
-    two sections meet those of the upper one."""
+    two sections meet those of the upper one, or of the one `below`."""
     phases = np.asarray(phases, dtype=float)
     found, begin, bottom = np.zeros((2, *phases.shape)), 0.0, 0.0
     for section in spring.coils:
         coils, (low, high), (lower, upper) = section.coils, section.pitch, section.mean_diameter
-        here, turns = phases > begin - 0.5 * NUDGE, TURN * coils
+        here, turns = phases > begin + (0.5 if below else -0.5) * NUDGE, TURN * coils
         radius = Polynomial((0.5 * lower, 0.5 * (upper - lower)))
         height = Polynomial((bottom, coils * low, 0.5 * coils * (high - low)))
         for values, part in zip(found, (radius, height), strict=True):
             values[here] = part.deriv(order)((phases[here] - begin) / turns) / turns**order
         begin, bottom = begin + turns, bottom + 0.5 * coils * (low + high)
     return found
+
+
+def middles(spring: Spring) -> tuple[np.ndarray, np.ndarray]:
+    """Radius in the middle of each half coil, and the rise a radian there, which is its mean."""
+    phases = half_coils(spring)[:-1] + 0.5 * math.pi
+    return coil_shape(spring, phases)[0], coil_shape(spring, phases, 1)[1]
 
 
 def half_coils(spring: Spring) -> np.ndarray:

@@ -13,7 +13,7 @@ import numpy as np
 from coilspring import Scene
 from equivbeam.laws.halfcoil import HalfCoil
 from equivbeam.laws.userlaw import UserLaw
-from validation.campaign.coils import coil_shape, half_coils
+from validation.campaign.coils import coil_shape, half_coils, middles
 from validation.campaign.wireparts import rigidities
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
@@ -41,9 +41,8 @@ for i, j in PAIRS:
 def haringx_law(scene: Scene) -> Law:
     """Constant stiffnesses of all half coils, (B3)."""
     spring, E, G = scene.spring, scene.material.E, scene.material.G
-    d, phases = spring.wire_diameter, half_coils(spring)
-    D = 2.0 * coil_shape(spring, phases[:-1] + 0.5 * math.pi)[0]
-    pitch = 2.0 * np.diff(coil_shape(spring, phases)[1])
+    d, (radius, rise) = spring.wire_diameter, middles(spring)
+    D, pitch = 2.0 * radius, 2.0 * math.pi * rise
     cosine = 1.0 / np.sqrt(1.0 + (pitch / (math.pi * D)) ** 2)
     axial = G * d**4 * cosine / (4.0 * D**3)
     shear = E * d**4 * cosine / (4.0 * D**3)
@@ -101,7 +100,7 @@ class Helices:
     def __init__(self, scene: Scene, phases: np.ndarray, radius: np.ndarray) -> None:
         self.EA, self.GA, self.GJ, self.EI = rigidities(scene)
         r = np.cbrt((radius**3) @ WEIGHTS / 2.0)  # by the axial flexibility of the taper
-        rise = np.diff(coil_shape(scene.spring, phases)[1]) / np.diff(phases)
+        _, rise = middles(scene.spring)
         self.L = np.sqrt(r * r + rise * rise)  # length of wire a radian
         self.s = np.diff(phases) * self.L  # length of wire
         self.u0 = rise / self.L  # sine at rest
@@ -180,10 +179,9 @@ class Helices:
 def coils_of(scene: Scene) -> list[HalfCoil]:
     """The half coils of a spring."""
     spring, moduli = scene.spring, (scene.material.E, scene.material.G)
-    phases, coils = half_coils(spring), []
-    lengths = np.diff(coil_shape(spring, phases)[1]).tolist()
-    diameters = 2.0 * coil_shape(spring, phases[:-1] + 0.5 * math.pi)[0]
-    for index, (D, length) in enumerate(zip(diameters.tolist(), lengths, strict=True)):
+    coils = []
+    for index, (radius, rise) in enumerate(zip(*middles(spring), strict=True)):
+        D, length = 2.0 * float(radius), math.pi * float(rise)
         begin = index * math.pi + spring.start_phase
         wire = math.sqrt(length**2 + (math.pi * D / 2.0) ** 2)
         shape = (D, spring.wire_diameter, length, wire, math.asin(length / wire), begin, begin + math.pi)

@@ -13,7 +13,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
 from validation.campaign.runs import KINDS
-from validation.campaign.scenes import CORNERS, LETTERS, MOST_SECTIONS, is_of_sections
+from validation.campaign.scenes import CORNERS, LETTERS, is_of_sections
 from validation.campaign.table import DISPLACEMENT, FORCE, NUMBERS, version
 from validation.campaign.verdict import (
     CLASSES,
@@ -31,6 +31,7 @@ from validation.study.frames import frame_table
 from validation.study.machine import versions
 from validation.study.metrics import upper_bound
 from validation.study.plots import drawn
+from validation.study.sections import MOST_SECTIONS
 from validation.study.style import DOUBLE, RC, RED
 
 PAGE = template.template(Path(__file__).with_name("page.md"))

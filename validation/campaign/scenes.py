@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from coilspring import CoilSection, Contact, InputError, Load, Scene, Spring, Supports
+from coilspring import Contact, InputError, Load, Scene, Spring, Supports
 from coilspring.scene.sizing import solid_height
 from validation.study.models import BEAM, WIRE
+from validation.study.sections import in_sections
 
 BLOCK = 1024  # of the sequence
 CORNERS = ("touching", "solid", "buckling", "telescoping", "tiny", "huge", "hard")
@@ -26,7 +27,6 @@ EVERY = 8  # scenes, one of which is a corner
 HELD: tuple[tuple[str, ...], ...] = ((), (), ("rotz",), ("ux",), ("ux", "rotz"))
 LETTERS = {"b": BEAM, "w": WIRE}  # of an id, and the model
 SECTIONS, FOURTH = "s", 1  # ends ids of springs of sections; the first of them in a campaign
-MOST_SECTIONS, STEEPEST = 4, 2.0  # of a spring; wire diameters by which a coil may be wider than the next
 DIGITS = {"b": 6, "w": 5}  # of a number in an id, at least
 MOST_DIGITS = 9
 MOST_ELEMENTS = 200  # of a wire
@@ -87,7 +87,7 @@ def make_case(name: str, seed: int) -> Case:
     corner = CORNERS[number // EVERY % len(CORNERS)] if is_corner else ""
     spring = _spring(draw, corner, half_coils=draw.whole("coils", 4, 40 if letter == "b" else 20))
     if of_sections:
-        spring = _of_sections(np.random.default_rng((seed, 3 + (letter == "w"), number)), spring)
+        spring = in_sections(np.random.default_rng((seed, 3 + (letter == "w"), number)), spring)
     scene, size = _scene(name, draw, corner, spring)
     options = {"law": draw.of("law", "haringx", "helix")}
     if letter == "w":
@@ -184,24 +184,6 @@ def _spring(draw: Draw, corner: str, half_coils: int) -> Spring:
         # each coil clears the next: the half difference of diameters passes the wire's
         bottom, top, coils = 15.0 * d, 4.0 * d, min(coils, 5.0)
     return Spring(d, (bottom, top), coils, coils * pitch, ends, math.pi * (draw.point["side"] < 0.5))
-
-
-def _of_sections(rng: np.random.Generator, spring: Spring) -> Spring:
-    """A spring of sections of half coils in place of one, which begins anywhere."""
-    d, halves = spring.wire_diameter, round(2 * spring.active_coils)
-    inner = rng.choice(np.arange(1, halves), rng.integers(min(MOST_SECTIONS, halves)), replace=False)
-    coils = 0.5 * np.diff([0, *np.sort(inner), halves])
-    sections, bottom = [], spring.mean_diameter[0]
-    for number in coils.tolist():
-        wider = min(STEEPEST * number, 11.0) * d * rng.uniform(-1.0, 1.0) * (rng.random() < 0.6)
-        top = float(np.clip(bottom + wider, 4.0 * d, 15.0 * d))
-        pitches = d * np.exp(rng.uniform(math.log(1.05), math.log(max(1.6, 0.2 * min(bottom, top) / d)), 2))
-        pitch = (pitches if rng.random() < 0.5 else pitches[[0, 0]]).tolist()
-        sections.append(CoilSection(number, tuple(pitch), (bottom, top)))
-        bottom = top
-    end_turns, phase = spring.end_turns, rng.uniform(0.0, 2.0 * math.pi)
-    ends, hand = "open" if rng.random() < 0.3 else "closed", "right" if rng.random() < 0.5 else "left"
-    return Spring.of_sections(d, sections, end_turns=end_turns, start_phase=phase, ends=ends, hand=hand)
 
 
 def _scene(name: str, draw: Draw, corner: str, spring: Spring) -> tuple[Scene, float]:

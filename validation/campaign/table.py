@@ -93,6 +93,6 @@ def key_of(row: Row) -> Key:
 @lru_cache(maxsize=1)
 def version() -> str:
     """Digest of the sources of the models and of the campaign: a row is good for these alone."""
-    packages = ("coilspring", "equivbeam", "wirefe", "validation.campaign")
+    packages = ("coilspring", "equivbeam", "wirefe", "validation.campaign", "validation.study.sections")
     files = [file for name in packages for file in source_files(name)]
     return digest(file for file in files if file.stem != "page")[:12]  # a mere view

@@ -18,18 +18,19 @@ STRAIN = 1e-4  # of a length, or rad, with which differences are taken
 Poses = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def helix(spring: Spring, phases: np.ndarray, order: int = 0) -> np.ndarray:
-    """Wire at the phases, end turns included, or its derivative of some order in the phase, (..., 3)."""
+def helix(spring: Spring, phases: np.ndarray, order: int = 0, below: bool = False) -> np.ndarray:
+    """Wire at the phases, end turns included, or its derivative of some order in the phase, (..., 3); where
+    two sections meet see `coil_shape`."""
     inner = np.clip(phases, 0.0, TURN * spring.active_coils)
     beyond = phases - inner
     active = np.abs(beyond) < 0.5 * NUDGE
     low, high = end_pitch(spring)
     ends = np.where(beyond < 0.0, low, high) / TURN  # rise of the end turns a radian
     radius, height = coil_shape(spring, inner)
-    slope = coil_shape(spring, inner, 1)[0] * active
+    slope = coil_shape(spring, inner, 1, below)[0] * active
     rise = height + beyond * ends
     if order:
-        rise = np.where(active, coil_shape(spring, inner, order)[1], ends * (order == 1))
+        rise = np.where(active, coil_shape(spring, inner, order, below)[1], ends * (order == 1))
     spiral = 1j**order * radius + order * 1j ** (order - 1) * slope
     point = spiral * np.exp(1j * (phases + spring.start_phase))
     return np.stack((point.real, rise, (1.0 if spring.hand == "left" else -1.0) * point.imag), axis=-1)
@@ -42,8 +43,10 @@ def end_frames(spring: Spring, phases: np.ndarray, points: np.ndarray, bent: boo
         chords = np.diff(points, axis=0)
         one = _quaternions(chords, np.cross(chords, [0.0, 0.0, 1.0]))
         return np.stack((one, one), axis=1)
-    inside = (phases[:-1] + NUDGE, phases[1:] - NUDGE)
-    return np.stack([_quaternions(helix(spring, at, 1), helix(spring, at, 2)) for at in inside], axis=1)
+    ends = [(phases[:-1], False), (phases[1:], True)]
+    return np.stack(
+        [_quaternions(helix(spring, at, 1, below), helix(spring, at, 2, below)) for at, below in ends], axis=1
+    )
 
 
 def straight(scene: Scene, points: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 """The random springs on which the laws are compared: kinds of load and support, shapes, size of the load."""
 
 import math
-from collections.abc import Container, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,16 +59,29 @@ class Drawn:
     scene: Scene
 
 
-def population(seed: int, each: int, names: Container[str] | None = None) -> Iterator[Drawn]:
-    """Random scenes of one seed, `each` of every kind, or of those named; none depends on which are drawn."""
+def plain(rng: np.random.Generator, spring: Spring) -> Spring:
+    """The spring as it was drawn."""
+    return spring
+
+
+def population(
+    seed: int,
+    each: int,
+    names: Container[str] | None = None,
+    form: Callable[[np.random.Generator, Spring], Spring] = plain,
+) -> Iterator[Drawn]:
+    """Random scenes of one seed, `each` of every kind, or of those named; none depends on which are drawn.
+
+    `form` makes springs of another form of those drawn.
+    """
     for place, kind in enumerate(KINDS):
         for number in range(each if names is None or kind.name in names else 0):
             rng = np.random.default_rng((seed, place, number))
-            shape, scene = _scene(rng, kind, f"{kind.name} {seed}/{number}")
+            shape, scene = _scene(rng, kind, f"{kind.name} {seed}/{number}", form)
             yield Drawn(seed, number, kind.name, shape, scene)
 
 
-def _scene(rng: np.random.Generator, kind: Kind, name: str) -> tuple[str, Scene]:
+def _scene(rng: np.random.Generator, kind: Kind, name: str, form: Callable) -> tuple[str, Scene]:
     """A shape and a scene; springs that would buckle or sway before coils close are drawn again."""
     contact = bool(rng.random() < CONTACT)
     deep = contact and bool(rng.random() < DEEP)
@@ -76,7 +89,7 @@ def _scene(rng: np.random.Generator, kind: Kind, name: str) -> tuple[str, Scene]
         shape = str(rng.choice(SHAPES))
         blank = Load((0.0, -1.0), STEPS)
         supports, law = Supports(kind.held), Contact(enabled=contact)
-        scene = Scene(name, _spring(rng, shape), blank, supports=supports, contact=law)
+        scene = Scene(name, form(rng, _spring(rng, shape)), blank, supports=supports, contact=law)
         direction = np.array((kind.side * rng.choice((-1.0, 1.0)), -rng.uniform(*kind.axial)))
         first, several, most = _bounds(scene, direction)
         wanted = rng.uniform(ABOVE * first, several) if deep else rng.uniform(*BELOW) * first

@@ -12,6 +12,7 @@ from validation.study import template
 from validation.study.document import Table
 from validation.study.frames import frame_table
 from validation.study.metrics import CONFIDENCE, upper_bound
+from validation.study.sections import MOST_SECTIONS
 from validation.verification import requestedruns
 from validation.verification.requestedruns import REFUSED
 
@@ -142,7 +143,7 @@ def absent(rows: pd.DataFrame) -> list[str]:
 SAID = (short, listed, at, accuracies, figures, springs, answers, failing, slowest, for_most, absent, counted)
 WORDS = template.template(Path(__file__).with_name("requestedpage.md"), SAID)
 WORDS.globals.update(coils=COILS, wires=WIRES, rate=RATE, most=MOST, seen=SEEN)
-WORDS.globals.update(confidence=CONFIDENCE, infinite=math.inf, study=requestedruns)
+WORDS.globals.update(sections=MOST_SECTIONS, confidence=CONFIDENCE, infinite=math.inf, study=requestedruns)
 
 
 def page(data: pd.DataFrame) -> str:

@@ -10,16 +10,17 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
-from itertools import product
+from itertools import cycle, product
 from typing import Any
 
 import numpy as np
 
 import wirefe
-from coilspring import EquilibriumPath, InputError, Scene
+from coilspring import EquilibriumPath, InputError, Load, Scene
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import models
-from validation.verification.randomscenes import KINDS, Drawn, population
+from validation.study.sections import in_sections
+from validation.verification.randomscenes import KINDS, Drawn, plain, population
 from wirefe import model
 from wirefe.meshes import MOST, Levels, difference
 
@@ -30,6 +31,10 @@ COILS = 5.0  # at most: the reference takes seconds
 REFERENCE, FINER = (64, 1538, 4), (128, 1998, 8)
 LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
 DENSITIES = (4, 8, 16)  # stations for each element there, up to `MOST`
+# Kinds of springs besides those of `KINDS`, all of which are on rigid ends, loaded once, and of few sections.
+PLATES, UNLOADED, SECTIONS = OTHERS = ("on plates", "unloaded to 30 %", "of sections")
+BACK = 0.3  # share of the load that is left where it is unloaded
+FIRST_OTHER = 1_000_000  # added to a seed, so many times, for their springs
 # What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction. The
 # reference of wires with friction, or that stick, takes minutes where many pairs close: there are none.
 CONTACTS: tuple[tuple[str, str, float | None], ...] = (
@@ -47,13 +52,42 @@ COLUMNS = (
 
 
 def springs(each: int, seed: int = SEED) -> Iterator[tuple[Drawn, Scene]]:
-    """Random springs of at most `COILS` coils, `each` of every kind of load; kinds take turns."""
-    drawn_of = [population(seed, 100 * each, {kind.name}) for kind in KINDS]
-    for place, kind in product(range(each), drawn_of):
-        drawn = next(found for found in kind if found.scene.spring.active_coils <= COILS)
+    """Random springs of at most `COILS` coils, `each` of every kind of load and of `OTHERS`, in turn."""
+    kinds = [_short(population(seed, 100 * each, {kind.name})) for kind in KINDS]
+    for place, kind in product(range(each), (*kinds, *(_others(seed, each, name) for name in OTHERS))):
+        drawn = next(kind)
         geometry, sliding, friction = CONTACTS[place % len(CONTACTS)]
         contact = replace(drawn.scene.contact, geometry=geometry, sliding=sliding, friction=friction)
         yield drawn, replace(drawn.scene, contact=contact)
+
+
+def _short(drawn: Iterable[Drawn]) -> Iterator[Drawn]:
+    """Those of at most `COILS` coils."""
+    return (found for found in drawn if found.scene.spring.active_coils <= COILS)
+
+
+def _others(seed: int, each: int, name: str) -> Iterator[Drawn]:
+    """Springs of one of `OTHERS` under mostly axial loads of every kind, in turn."""
+    form = in_sections if name == SECTIONS else plain
+    offset = seed + FIRST_OTHER * (1 + OTHERS.index(name))
+    axial = [kind.name for kind in KINDS if kind.axial[0] == 1.0]
+    kinds = cycle([_short(population(offset, 100 * each, {kind}, form)) for kind in axial])
+    for number, kind in enumerate(kinds):
+        drawn = next(kind)
+        load, supports = drawn.scene.load, drawn.scene.supports
+        if name == PLATES:
+            supports = replace(supports, seat="plate")
+        elif name == UNLOADED:
+            load = _and_back(load)
+        scene = replace(drawn.scene, load=load, supports=supports)
+        yield replace(drawn, seed=seed, number=number, kind=name, scene=scene)
+
+
+def _and_back(load: Load) -> Load:
+    """The load, and then a share of it."""
+    (x, y), ways = load.force, tuple(share * way for way in load.displacement for share in (1.0, BACK))
+    stages = () if ways else ((x, y), (BACK * x, BACK * y))
+    return Load(steps=load.steps, stages=stages, displacement=ways)
 
 
 def rows(drawn: Drawn, scene: Scene, accuracies: Iterable[float] = ACCURACIES) -> list[dict[str, Any]]:
