@@ -13,6 +13,7 @@ VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no l
 # Times the way at the rate at rest. Of 2200 random springs on which no force acts sideways, those that leaned
 # by less than 0.02 moved by at most 1.05 times that way, on plates by 1.34 times; all beyond leaned by 0.1.
 BUCKLED = 1.5
+AXIAL = np.array([[0.0, -1.0]])
 MOST_TOLD = 100.0  # of these times
 SUDDEN = 2.0  # times the speed before, with which the top moves on from the last row to the end of a path
 
@@ -86,13 +87,21 @@ def _buckled(path: EquilibriumPath, rows: Reached) -> str:
         force = float(path.select(slice(row, row + 1)).loads[0, 1])
     else:
         force = float(given_loads(load, rows.times[row : row + 1])[0, 1])
-    straight = force / (axial_rate(scene) * scene.factors.axial)
-    if not abs(way) > BUCKLED * abs(straight):
+    if not abs(way) * axial_rate(scene) * scene.factors.axial > BUCKLED * abs(force):
         return ""
-    times = abs(way / straight) if straight else np.inf
+    times = abs(way) * _rate(path) / abs(force) if force else np.inf
+    if times <= BUCKLED:
+        return ""
     far = f"{times:.2g} times" if times < MOST_TOLD else f"more than {MOST_TOLD:g} times"
     moved = f"the top has moved {far} as far as at the spring's rate at rest"
     return f";{when} {moved}: the spring has buckled"
+
+
+def _rate(path: EquilibriumPath) -> float:
+    """Axial rate of the model at rest, N/mm, a user's law included; on plates that of the formula."""
+    if path.scene.supports.seat == "plate":
+        return axial_rate(path.scene)
+    return float(path.shape.rates(path.shape.rest[None], None, AXIAL)[0])
 
 
 def _moves_on(path: EquilibriumPath, rows: Reached) -> str:
