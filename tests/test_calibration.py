@@ -32,11 +32,13 @@ from coilspring.benchfile import read_table
 from coilspring.measured import Measured, measured
 from coilspring.path import secants
 from coilspring.scene.scene import load_directions
+from equivbeam.curvefit import OFFSET
+from equivbeam.sensitivity import NAMES
 from validation.calibration import run
 from validation.calibration.difference import along_load, difference, lines, scene_for, warnings
 from validation.calibration.figure import finer, picture
 from validation.calibration.slope import WORDS, slope
-from validation.cli.arguments import EPILOG
+from validation.cli.arguments import EPILOG, FITTED
 from validation.cli.command import main
 
 GUIDED = Scene(
@@ -330,6 +332,11 @@ def test_bad_curves(text, command, tmp_path, capsys):
     assert BAD[text] in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_the_command_knows_what_can_be_fitted():
+    """It starts without the models, and so has names of its own."""
+    assert sorted(FITTED) == sorted((*NAMES, OFFSET))
 
 
 def test_bad_requests(tmp_path, capsys):
