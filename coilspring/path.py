@@ -374,11 +374,10 @@ def load_path(file: str | Path | BinaryIO) -> EquilibriumPath:
     ------
     InputError : no such file, or one that is no path.
     """
+    found = read_fields(file)
     try:
-        return EquilibriumPath(**read_fields(file))
-    except InputError:
-        raise
-    except (KeyError, TypeError, ValueError):  # fields of another version
+        return EquilibriumPath(**found)
+    except (TypeError, ValueError):  # fields, or an outcome, of another version
         raise InputError(OTHER_VERSION.format(str(file))) from None
 
 

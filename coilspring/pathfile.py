@@ -56,6 +56,8 @@ def read_fields(file: str | Path | BinaryIO) -> dict[str, Any]:
         found = arrays.pop("pairs_found")
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(f"file must be a saved path, got {str(file)!r} ({error})") from None
+    if not numbers.keys() >= {"model", "options"}:
+        raise InputError(OTHER_VERSION.format(str(file)))
     if numbers["model"] not in MODELS:
         raise InputError(f"the model of a path must be one of {', '.join(MODELS)}, got {numbers['model']!r}")
     shape = import_module(numbers["model"]).path_shape(scene, numbers["options"], found)

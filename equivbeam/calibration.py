@@ -17,7 +17,7 @@ from equivbeam import fiterrors
 from equivbeam.curvefit import OFFSET, CurveFit
 from equivbeam.fiterrors import constant_part, undetermined
 from equivbeam.loadcurve import read_curve
-from equivbeam.sensitivity import FACTORS, NAMES, different, unit
+from equivbeam.sensitivity import FACTORS, NAMES, distinct_names, unit
 
 HELPS = 0.5  # share of the square of the error left that an offset takes away, to be named
 POOR = 0.03  # rms error, over the peaks, above which a model does not fit
@@ -168,7 +168,7 @@ def calibrate(
 
 def _named(parameters: Sequence[str], law: object) -> tuple[str, ...]:
     """Names of parameters that can be fitted with a law; `InputError` where they are not."""
-    names = different(parameters)
+    names = distinct_names(parameters)
     require_names("parameters", names, (*NAMES, OFFSET))
     factor = next((name for name in names if name in FACTORS), None)
     if factor and law != "haringx":
@@ -212,10 +212,10 @@ def _fitted(scene: Scene, fit: CurveFit, before: np.ndarray) -> Calibration:
     )
 
 
-def _misfit(residuals: np.ndarray, parts: Sequence[np.ndarray], J: np.ndarray) -> str:
+def _misfit(residuals: np.ndarray, parts: Sequence[fiterrors.Branch], J: np.ndarray) -> str:
     """In words that the residuals are no scatter, or nothing; `parts`: their `fiterrors.branches`."""
     rms, scatter = fiterrors.root_mean_square(residuals), fiterrors.scatter(parts)
-    left = fiterrors.root_mean_square(np.concatenate(parts))
+    left = fiterrors.root_mean_square(np.concatenate([part.means for part in parts]))
     poor, systematic = rms > POOR, left > max(SYSTEMATIC * scatter, EXACT)
     if not (poor or systematic):
         return "" if np.isfinite(scatter) else TOO_FEW
@@ -226,7 +226,7 @@ def _misfit(residuals: np.ndarray, parts: Sequence[np.ndarray], J: np.ndarray) -
     found += f", where neighbouring points scatter by {plain(100 * scatter)} %"
     apart = fiterrors.hysteresis(parts)
     if apart > SYSTEMATIC * scatter:
-        found += f"; loading and unloading differ by {plain(100 * apart)} %, which the model does not"
+        found += f"; loading and unloading differ by {plain(100 * apart)} %, and the model has no hysteresis"
     constant = constant_part(J, residuals)
     cure = f"; an offset of the deflection takes {100 * constant:.0f} % of its square away: fit offset too"
     return found + (cure if constant > HELPS else "")

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -105,37 +106,59 @@ def root_mean_square(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def branches(residuals: np.ndarray, times: np.ndarray) -> list[np.ndarray]:
-    """`means` of each branch of loading or unloading, in the order of the points.
+class Branch(NamedTuple):
+    """Points of loading, or of unloading, in the order of the load."""
 
-    One ends where the load goes back by more than `TURNS` of its range. All are one in another order.
+    times: np.ndarray  # (points,) all different
+    means: np.ndarray  # (points, columns) see `means`
+
+
+def branches(residuals: np.ndarray, times: np.ndarray) -> list[Branch]:
+    """Loading and unloading, in turn, in the order of the points.
+
+    A branch ends where the load goes back by more than `TURNS` of its range. All are one in another order.
     """
-    way, turns, end = 1.0, [], 0
+    way, turns, end, most = 0.0, [], 0, TURNS * np.ptp(times)
     for i, time in enumerate(times):
-        if way * (time - times[end]) >= 0.0:
+        on = time - times[end]
+        if way * on < -most or (way == 0.0 and abs(on) > most):
+            turns += [end + 1] if way else []
+            way, end = np.sign(on), i
+        elif way * on > 0.0 or (way and on == 0.0):
             end = i
-        elif way * (times[end] - time) > TURNS * np.ptp(times):
-            turns.append(end + 1)
-            way, end = -way, i
     rows = residuals.reshape(times.size, -1)
-    pieces = zip(np.split(rows, turns), np.split(times, turns), strict=True)
-    found = [means(row, time) for row, time in pieces if time.size]
-    known = sum(max(len(part) - 2, 0) for part in found)
-    whole = means(residuals, times)
-    return found if 2 * known > len(whole) - 2 else [whole]
+    pieces = list(zip(np.split(rows, turns), np.split(times, turns), strict=True))
+    found = [Branch(np.unique(time), means(row, time)) for row, time in pieces]
+    whole = Branch(np.unique(times), means(residuals, times))
+    known = sum(max(branch.times.size - 2, 0) for branch in found)
+    return found if 2 * known > whole.times.size - 2 else [whole]
 
 
-def scatter(parts: Sequence[np.ndarray]) -> float:
+def scatter(parts: Sequence[Branch]) -> float:
     """Root mean square of the means on `branches` about their neighbours, without what varies slowly; nan of
     too few."""
-    bends = np.concatenate([np.diff(part, 2, axis=0) for part in parts])
+    bends = np.concatenate([np.diff(part.means, 2, axis=0) for part in parts])
     return root_mean_square(bends) / math.sqrt(6.0) if bends.size else np.nan
 
 
-def hysteresis(parts: Sequence[np.ndarray]) -> float:
-    """Mean difference between loading and unloading, `branches` that take turns; 0 where there is but one."""
-    ways = [np.concatenate(parts[way::2]).mean(axis=0) for way in (0, 1) if parts[way::2]]
-    return float(np.abs(ways[0] - ways[1]).max()) if len(ways) > 1 else 0.0
+def hysteresis(parts: Sequence[Branch]) -> float:
+    """Mean difference of loading and unloading at one load, of the largest column; 0 without both."""
+    ways = [[part for part in parts[first::2] if part.times.size > 2] for first in (0, 1)]
+    if not all(ways):
+        return 0.0
+    times, values = [], []
+    for way in ways:
+        time = np.concatenate([part.times for part in way])
+        order = np.argsort(time, kind="stable")
+        times.append(time[order])
+        values.append(np.concatenate([part.means for part in way])[order])
+    low, high = max(time[0] for time in times), min(time[-1] for time in times)
+    at = np.concatenate([time[(time >= low) & (time <= high)] for time in times])
+    columns = range(values[0].shape[1])
+    apart = [
+        np.interp(at, times[0], values[0][:, k]) - np.interp(at, times[1], values[1][:, k]) for k in columns
+    ]
+    return float(np.abs(np.mean(apart, axis=1)).max()) if at.size else 0.0
 
 
 def constant_part(J: np.ndarray, residuals: np.ndarray) -> float:

@@ -89,10 +89,10 @@ def values(scene: Scene, names: tuple[str, ...]) -> np.ndarray:
     return np.array([each.read(getattr(scene, each.part)) for each in wanted])
 
 
-def different(parameters: Sequence[str]) -> tuple[str, ...]:
+def distinct_names(parameters: Sequence[str]) -> tuple[str, ...]:
     """Names of parameters; `InputError` for none, the same twice, or a text in place of a list."""
-    names = () if isinstance(parameters, str) else tuple(parameters)
-    if not names or len(set(names)) < len(names):
+    names = tuple(parameters) if isinstance(parameters, list | tuple) else ()
+    if not names or not all(isinstance(name, str) for name in names) or len(set(names)) < len(names):
         raise InputError(f"parameters must be a list of different names, got {shown(parameters)}")
     return names
 
@@ -158,7 +158,7 @@ def sensitivities(path: EquilibriumPath, parameters: Sequence[str]) -> Sensitivi
     InputError : unknown name, a diameter or the pitch of a spring of sections, another model's path, or one
         with friction or a prescribed displacement.
     """
-    names = different(parameters)
+    names = distinct_names(parameters)
     shape: BeamShape = shape_of(path, "equivbeam", "sensitivities")
     if shape.data.mu > 0.0 and path.scene.contact.enabled:
         raise InputError("sensitivities needs a path without friction, got sliding = 'scene'")

@@ -886,6 +886,29 @@ def test_hysteresis_is_no_scatter():
     assert fit((force[mixed], up[mixed]), ["axial"]).scatter == pytest.approx(alone.scatter, rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    "order",
+    [
+        lambda n: np.arange(n)[::-1],
+        lambda n: np.append(np.arange(n), np.arange(0.7 * n, n, dtype=int)[::-1]),
+        lambda n: np.append(
+            np.arange(0.3 * n, dtype=int), np.append(np.arange(0.3 * n, dtype=int)[::-1], range(n))
+        ),
+        lambda n: np.append(n - 1, range(n)),
+    ],
+    ids=["unloading alone", "not far back", "loaded a little before", "the largest first"],
+)
+def test_no_hysteresis_is_told_of_one_curve(order):
+    """Which misses the model by an error that varies along it, whatever the order of its points."""
+    force, deflection = measured_of(GUIDED)
+    noise = np.random.default_rng(4).normal(scale=NOISE / 8, size=force.size)
+    bent = deflection * (1.0 - 0.02 * force / force.max()) + noise
+    at = order(force.size)
+    misfit = fit((force[at], bent[at]), ["axial"]).misfit
+    assert "the error left is systematic" in misfit
+    assert "loading and unloading" not in misfit
+
+
 def test_parameters_that_nearly_stand_for_each_other_are_named():
     """G and the wire's diameter differ by where coils close, and the offset from both."""
     scene = replace(GUIDED, spring=PROGRESSIVE, load=Load((0.0, -150.0), 20))

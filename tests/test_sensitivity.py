@@ -190,7 +190,7 @@ def test_what_each_section_has_of_its_own_is_no_parameter(name):
     assert np.isfinite(equivbeam.sensitivities(path, ["wire_diameter", "G"]).tips).all()
 
 
-@pytest.mark.parametrize("names", [[], ["E", "E"], "E"])
+@pytest.mark.parametrize("names", [[], ["E", "E"], "E", None, 3, {"E"}, [["E"]]])
 def test_parameters_to_fit_are_a_list_of_different_names(names):
     with pytest.raises(InputError, match="parameters must be a list of different names"):
         equivbeam.calibrate(AXIAL, equivbeam.solve(AXIAL), names)

@@ -318,7 +318,11 @@ def test_what_is_no_saved_path_is_refused_in_one_sentence(tmp_path):
         with pytest.raises(InputError, match="must be a saved path"):
             load_path(file)
     with np.load(BytesIO(whole.getvalue())) as entries:
-        np.savez(file, **dict(entries) | {"numbers": np.frombuffer(b'{"model": "antigravity"}', np.uint8)})
+        np.savez(
+            file,
+            **dict(entries)
+            | {"numbers": np.frombuffer(b'{"model": "antigravity", "options": {}}', np.uint8)},
+        )
     with pytest.raises(InputError, match="must be one of equivbeam, wirefe, got 'antigravity'"):
         load_path(file)
 

@@ -226,8 +226,35 @@ def test_laws_that_read_other_values_are_other_laws():
         assert law_of(soft) == law_of(again) != law_of(stiff)
         one, two = (equivbeam.solve(spring_a(), steps=1, law=law).tips[-1, 1] for law in (soft, stiff))
         assert abs(two) < 0.9 * abs(one)
-    with pytest.raises(InputError, match="parameters must read numbers, arrays, or what can be pickled"):
+    itself = {"factor": 1.0}
+    itself["more"] = itself
+    with pytest.raises(InputError, match="got a value that holds itself"):
+        law_of(law_that_reads(itself))
+    with pytest.raises(
+        InputError, match=r"parameters must read .* got a mappingproxy, which cannot be pickled"
+    ):
         law_of(law_that_reads(MappingProxyType({"factor": 1.0})))
+
+
+READS = {
+    "a class": "class Wire:\n    def factor(self): return {0}\nfactor = lambda: Wire().factor()",
+    "an object": "class Wire:\n    def factor(self): return {0}\nw = Wire()\nfactor = lambda: w.factor()",
+    "its state": "class Wire: pass\nwire = Wire()\nwire.f = {0}\nfactor = lambda: wire.f",
+    "kept results": "from functools import lru_cache\n@lru_cache\ndef factor(): return {0}",
+    "a module": "import json\nfactor = lambda: json.loads('{0}')",
+}
+
+
+@pytest.mark.parametrize("source", READS.values(), ids=READS)
+def test_laws_that_read_other_code_are_other_laws(source):
+    """As in a notebook, in which a class is defined again under its name."""
+
+    def law(factor):
+        space = {"__name__": "__main__", "base": law_that_reads({"factor": 1.0}).parameters}
+        exec(f"{source.format(factor)}\ndef parameters(coil): return factor(), *base(coil)[1:]", space)
+        return law_of(SimpleNamespace(parameters=space["parameters"], energy=coupled))
+
+    assert law(1.5) == law(1.5) != law(2.5)
 
 
 def test_a_mark_that_an_editor_writes_first_is_no_part_of_a_law(tmp_path):

@@ -13,7 +13,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import cache
+from functools import _lru_cache_wrapper, cache
 from pathlib import Path
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
@@ -167,10 +167,17 @@ def _unknown(value: Any) -> str:
     raise TypeError(f"a compiled function reads {value!r}, whose content is unknown")
 
 
-def content_digest(function: Callable, other: Callable[[Any], str] = _unknown) -> str:
-    """Digest of all that a kernel is compiled from, or that a Python function reads.
+def _never(module: str) -> bool:
+    """No functions are known by their names."""
+    return False
 
-    `other` describes values that compiled code cannot read.
+
+def content_digest(
+    function: Any, other: Callable[[Any], str] = _unknown, known: Callable[[str], bool] = _never
+) -> str:
+    """Digest of all that a kernel is compiled from, or that a Python function or a value reads.
+
+    `other` describes values that compiled code cannot read; functions of `known` modules do not change.
 
     Raises
     ------
@@ -179,7 +186,7 @@ def content_digest(function: Callable, other: Callable[[Any], str] = _unknown) -
     found = hashlib.sha256()
     versions = (numba.__version__, llvmlite.__version__, np.__version__)
     found.update(repr((versions, [getattr(config, flag, None) for flag in FLAGS])).encode())
-    for line in _Content(other).of(function):
+    for line in _Content(other, known).of(function):
         found.update(line.encode() + b"\n")
     return found.hexdigest()
 
@@ -192,16 +199,18 @@ def is_foreign(module: str) -> bool:
 class _Content:
     """Lines that differ where the content of functions and values does."""
 
-    def __init__(self, other: Callable[[Any], str]) -> None:
-        self._other = other
+    def __init__(self, other: Callable[[Any], str], known: Callable[[str], bool]) -> None:
+        self._other, self._known = other, known
         self._seen: set[int] = set()
 
     def of(self, value: Any) -> Iterator[str]:
         """Lines of a value."""
         value = getattr(value, "py_func", value)  # of a dispatcher
+        if isinstance(value, _lru_cache_wrapper):
+            value = value.__wrapped__
         if isinstance(value, FunctionType):
             yield f"function {value.__module__}.{value.__qualname__}"
-            if id(value) not in self._seen:
+            if id(value) not in self._seen and not self._known(value.__module__):
                 self._seen.add(id(value))
                 yield from self._of_function(value)
         elif isinstance(value, np.ndarray | np.generic) and value.dtype != object:
@@ -215,7 +224,7 @@ class _Content:
             yield f"dict {len(value)}"
             for item in value.items():
                 yield from self.of(item)
-        elif isinstance(value, frozenset):
+        elif isinstance(value, set | frozenset):
             yield f"set {sorted(map(repr, value))}"  # the order of a set changes with the process
         elif isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
             yield f"record {value.__qualname__} {value._fields}"  # type: ignore[attr-defined]

@@ -51,8 +51,8 @@ class PairReader(ABC):
     def pair_friction(self, states: np.ndarray, histories: np.ndarray) -> Friction:
         """Tangential forces (states, pairs, 3), N, slips, mm, and frictional work, N mm, of every pair."""
         after, held = self.accepted(states, histories), histories["closed"]
-        slip, work = (np.where(held, after[name], histories[name]) for name in ("slid", "work"))
-        return Friction(self.tangential_forces(states, histories), slip * held, work)
+        work = np.where(held, after["work"], histories["work"])
+        return Friction(self.tangential_forces(states, histories), after["slid"] * held, work)
 
     def tangential_forces(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Tangential force of every pair, shape (states, pairs, 3), N."""

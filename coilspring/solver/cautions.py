@@ -10,11 +10,11 @@ from coilspring.scene.sizing import axial_rate
 
 MOST_BEYOND = 0.5  # wire diameters by which coils may reach beyond an end: a seat would hold them by then
 VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no longer stands for contact
-# Times the way at the rate at rest. Of 2200 random springs on which no force acts sideways, those that leaned
-# by less than 0.02 moved by at most 1.05 times that way, on plates by 1.34 times; all beyond leaned by 0.1.
+# Times the way at the initial rate, beyond which a spring has buckled. Of random springs on which no force
+# acts sideways those that did not lean moved by at most 1.05 times that way, on plates by 1.34 times.
 BUCKLED = 1.5
 AXIAL = np.array([[0.0, -1.0]])
-MOST_TOLD = 100.0  # of these times
+MOST_TOLD = 100.0  # a larger ratio is not told
 SUDDEN = 2.0  # times the speed before, with which the top moves on from the last row to the end of a path
 
 
@@ -41,7 +41,8 @@ class Reached(NamedTuple):
             last = path.last_state[None]
             times, states = np.append(times, path.end_bracket[0]), np.concatenate((states, last))
             gaps = np.append(gaps, path.shape.pair_gaps(last).min(initial=np.inf))
-        return cls(times, states, gaps, path.shape.tips(states), len(times) > len(path.times))
+            return cls(times, states, gaps, path.shape.tips(states), ended=True)
+        return cls(times, states, gaps, path.tips, ended=False)
 
     def worst(self, values: np.ndarray) -> tuple[int, str]:
         """As `worst`; at the end of a path that ended before, "there", which the message has just named."""
@@ -51,7 +52,7 @@ class Reached(NamedTuple):
 
 def warning(path: EquilibriumPath) -> str:
     """What makes some of the rows equilibria of the model rather than of a spring, that the spring buckled,
-    or that it moved far behind the last row; or nothing."""
+    or that it moved far after the last row; or nothing."""
     rows = Reached.of(path)
     if not len(rows.times):
         return ""
@@ -75,26 +76,25 @@ def _no_spring(path: EquilibriumPath, rows: Reached) -> str:
 
 
 def _buckled(path: EquilibriumPath, rows: Reached) -> str:
-    """That an axial load moved the top much farther than at the rate at rest, where it is farthest."""
-    load, scene = path.scene.load, path.scene
-    if load.displacement:
-        rows = rows._replace(times=path.times, tips=path.tips, ended=False)  # whose reactions are known
-    if any(x for x, _ in (load.force, *load.stages)) or not len(rows.times):
+    """That an axial load moved the top farther than at the initial rate: where it is lowest, or highest."""
+    load = path.scene.load
+    if any(x for x, _ in (load.force, *load.stages)):
         return ""
-    row, when = rows.worst(np.abs(rows.tips[:, 1]))
-    way = float(rows.tips[row, 1])
-    if load.displacement:
-        force = float(path.select(slice(row, row + 1)).loads[0, 1])
-    else:
-        force = float(given_loads(load, rows.times[row : row + 1])[0, 1])
-    if not abs(way) * axial_rate(scene) * scene.factors.axial > BUCKLED * abs(force):
-        return ""
-    times = abs(way) * _rate(path) / abs(force) if force else np.inf
-    if times <= BUCKLED:
-        return ""
-    far = f"{times:.2g} times" if times < MOST_TOLD else f"more than {MOST_TOLD:g} times"
-    moved = f"the top has moved {far} as far as at the spring's rate at rest"
-    return f";{when} {moved}: the spring has buckled"
+    if load.displacement:  # of rows alone the reaction is known
+        rows = rows._replace(times=path.times, tips=path.tips, ended=False)
+    y = rows.tips[:, 1]
+    for row, when in (rows.worst(-y), rows.worst(y)) if y.size else ():
+        if load.displacement:
+            force = abs(float(path.select(slice(row, row + 1)).loads[0, 1]))
+        else:
+            force = abs(float(given_loads(load, rows.times[row : row + 1])[0, 1]))
+        straight = _rate(path) * abs(float(y[row]))
+        if straight > BUCKLED * force:
+            far = f"{straight / force:.2g}" if straight < MOST_TOLD * force else f"over {MOST_TOLD:g}"
+            return (
+                f";{when} the top has moved {far} times as far as at the initial rate: the spring has buckled"
+            )
+    return ""
 
 
 def _rate(path: EquilibriumPath) -> float:
@@ -105,12 +105,14 @@ def _rate(path: EquilibriumPath) -> float:
 
 
 def _moves_on(path: EquilibriumPath, rows: Reached) -> str:
-    """That the top moved suddenly between the last row and the end."""
-    if not 0 < len(path.times) < len(rows.times):
+    """That the top moved suddenly after the last row, up to the end."""
+    if path.scene.load.displacement or not rows.ended or not len(path.times):
         return ""
-    before, end = rows.tips[-2:, :2]
-    left = rows.times[-1] / rows.times[-2] - 1.0
-    moved = float(np.hypot(*(end - before)))
-    if moved <= SUDDEN * left * float(np.hypot(*before)) or moved <= path.scene.spring.wire_diameter:
+    loads = np.vstack((np.zeros(2), given_loads(path.scene.load, rows.times)))
+    tips = np.vstack((np.zeros(2), rows.tips[:, :2]))
+    (before, after), (far, moved) = (
+        np.linalg.norm(np.diff(each, axis=0)[-2:], axis=1) for each in (loads, tips)
+    )
+    if moved * before <= SUDDEN * far * after or moved <= path.scene.spring.wire_diameter:
         return ""
     return f"; from its last row, at time {rows.times[-2]:.6g}, to its end the top moves by {moved:.3g} mm"

@@ -13,10 +13,11 @@ import math
 import numbers
 import pickle
 import sys
+import sysconfig
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import count
 from pathlib import Path
 from types import FrameType, FunctionType
@@ -174,19 +175,48 @@ def _law_of_functions(name: str, parameters: Any, energy: Any) -> UserLaw:
     found = hashlib.sha256()
     for function in (parameters, energy):
         try:
-            found.update(content_digest(function, _pickled).encode())
-        except Exception as error:  # of pickles, which are of many kinds
+            found.update(content_digest(function, _described, _is_installed).encode())
+        except (TypeError, RecursionError) as error:
+            got = "a value that holds itself" if isinstance(error, RecursionError) else error
             raise InputError(
                 f"law {name}: {function.__name__} must read numbers, arrays, or what can be pickled, so that "
-                f"laws can be told apart, got what cannot ({' '.join(str(error).split())})"
+                f"laws can be told apart, got {got}"
             ) from None
     law = UserLaw(name, found.hexdigest(), None, parameters, energy)
     return KNOWN.setdefault(str(law), law)
 
 
-def _pickled(value: Any) -> str:
-    """Content of what parameters read and compiled code could not."""
-    return f"{type(value).__qualname__} {hashlib.sha256(pickle.dumps(value)).hexdigest()}"
+def _described(value: Any) -> str:
+    """Content of a class, or of an object, that parameters read and compiled code could not."""
+    kind = value if isinstance(value, type) else type(value)
+    lines = [f"{kind.__module__}.{kind.__qualname__}"]
+    if not _is_installed(kind.__module__):
+        members = [getattr(each, "fget", getattr(each, "__func__", each)) for each in vars(kind).values()]
+        functions = [each for each in members if isinstance(each, FunctionType)]
+        lines += [content_digest(each, _described, _is_installed) for each in functions]
+    if value is not kind:
+        lines.append(_state(value, kind.__qualname__))
+    return " ".join(lines)
+
+
+def _state(value: Any, kind: str) -> str:
+    """Digest of what an object holds."""
+    try:
+        return hashlib.sha256(pickle.dumps(value)).hexdigest()
+    except Exception:  # of many kinds
+        if not hasattr(value, "__dict__"):
+            raise TypeError(f"a {kind}, which cannot be pickled") from None
+    return content_digest(vars(value), _described, _is_installed)
+
+
+@cache
+def _is_installed(module: str) -> bool:
+    """Whether a module is of Python or of an installed package, whose functions do not change."""
+    file = getattr(sys.modules.get(module), "__file__", None)
+    if file is None:
+        return module in sys.builtin_module_names
+    places = (sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib"))
+    return any(Path(file).is_relative_to(place) for place in places)
 
 
 def _function(name: str, given: Any, role: str) -> FunctionType:

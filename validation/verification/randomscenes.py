@@ -35,6 +35,11 @@ class Kind:
     axial: tuple[float, float] = (1.0, 1.0)  # least and largest -Fy over it
     displacement: bool = False  # whether UY is prescribed in place of the force
 
+    @property
+    def is_axial(self) -> bool:
+        """Whether the load is mostly axial."""
+        return self.axial[0] == 1.0
+
 
 KINDS = (
     Kind("guided, axial force", ("ux", "rotz")),

@@ -34,7 +34,7 @@ DENSITIES = (4, 8, 16)  # stations for each element there, up to `MOST`
 # Kinds of springs besides those of `KINDS`, all of which are on rigid ends, loaded once, and of few sections.
 PLATES, UNLOADED, SECTIONS = OTHERS = ("on plates", "unloaded to 30 %", "of sections")
 BACK = 0.3  # share of the load that is left where it is unloaded
-FIRST_OTHER = 1_000_000  # added to a seed, so many times, for their springs
+FIRST_OTHER = 1_000_000  # offset of the seed for each of `OTHERS`, so that their springs are new
 # What the coils of a kind's springs do in contact, one after the other: geometry, sliding, friction. The
 # reference of wires with friction, or that stick, takes minutes where many pairs close: there are none.
 CONTACTS: tuple[tuple[str, str, float | None], ...] = (
@@ -70,7 +70,7 @@ def _others(seed: int, each: int, name: str) -> Iterator[Drawn]:
     """Springs of one of `OTHERS` under mostly axial loads of every kind, in turn."""
     form = in_sections if name == SECTIONS else plain
     offset = seed + FIRST_OTHER * (1 + OTHERS.index(name))
-    axial = [kind.name for kind in KINDS if kind.axial[0] == 1.0]
+    axial = [kind.name for kind in KINDS if kind.is_axial]
     kinds = cycle([_short(population(offset, 100 * each, {kind}, form)) for kind in axial])
     for number, kind in enumerate(kinds):
         drawn = next(kind)

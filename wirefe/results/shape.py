@@ -143,7 +143,7 @@ class WireShape(PairReader):
 
     @property
     def update_history(self) -> Callable:
-        """The model's kernel."""
+        """The model's kernel; that for plates differs in the least gap alone."""
         return kernels.update_history
 
     @property
