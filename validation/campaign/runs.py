@@ -20,7 +20,8 @@ LEAST_WIDTH = 4e-9  # of the time 0..1: no critical time is bracketed closer
 SOLVER = 1e-8  # or this over the root of the least stiffness: what solvers leave, in the energy norm
 ROUNDING = 4.0 * 2.0**-52  # of the spring's size: positions are no finer,
 STICKS = 2e-6  # wire diameters: so closely it is known where pairs that stick touch and open
-GAPS = 8.0  # and by so much more may gaps differ, after some dozens of operations
+# And by so much more may gaps differ, after some dozens of operations; points of wires lie between two nodes.
+GAPS = {"spheres": 8.0, "wires": 16.0}
 FRICTION, FRICTION_TIME = 1e-3, 5e-3  # the same with friction, which follows the path; of a critical time
 NEAR_CRITICAL = 0.01  # of its time: so near before a critical point paths with friction are not compared
 BETWEEN = 1e-4  # where a column passes its buckling load all but neutral, before the last common state
@@ -84,11 +85,12 @@ def deviation(
 
 
 def grain(path: EquilibriumPath) -> float:
-    """What is unknown of the largest displacement, as a share of it: positions are rounded, and the places
-    where sticking pairs touch and open are located so closely."""
+    """What is unknown of the largest displacement, as a share of it: positions are rounded, those of a stack
+    coil by coil, and the places where sticking pairs touch and open are located so closely."""
     largest, spring = np.abs(path.tips[:, :2]).max(initial=0.0), path.scene.spring
     sticks = path_dependent(path) and path.scene.contact.sliding == "none"
-    finest = max(_rounding(spring), STICKS * spring.wire_diameter * sticks)
+    stacked = spring.active_coils if path.active_contacts.any() else 1.0
+    finest = max(_rounding(spring) * stacked, STICKS * spring.wire_diameter * sticks)
     return finest / largest if largest > 0.0 else 0.0
 
 
@@ -111,7 +113,8 @@ def force_grain(path: EquilibriumPath, row: int | None = None) -> float:
         K *= 4.0 / min(options["pairs_per_turn"], options["elements_per_turn"])
     across = K * k * depth ** (k - 1.0)
     along = K * spring.wire_diameter ** (k - 1.0) * (contact.sliding != "free")
-    return GAPS * _rounding(spring) * max(across, along) / load
+    gaps = GAPS[contact.geometry if path.model == "wirefe" else "spheres"]
+    return gaps * _rounding(spring) * max(across, along) / load
 
 
 def _rounding(spring: Spring) -> float:
@@ -175,9 +178,13 @@ def verify_branch(
     if not end_alike(path, other):
         verdict.complain(f"{path.outcome}, but the {name} ends as {other.outcome}: {other.message}")
     if path.end_bracket is not None and other.end_bracket is not None:
-        mine, theirs = sum(path.end_bracket), sum(other.end_bracket)
-        shift = abs(mine - theirs) / max(mine, theirs, LOAD)
-        verdict.ask("critical_shift", shift, bounds.critical, f"another critical time than the {name}'s")
+        (low, high), (first, last) = path.end_bracket, other.end_bracket
+        mine, theirs, width = low + high, first + last, high - low + last - first
+        scale = max(mine, theirs, LOAD)
+        most = max(bounds.critical, width / scale)
+        verdict.ask(
+            "critical_shift", abs(mine - theirs) / scale, most, f"another critical time than the {name}'s"
+        )
 
 
 def verify_steps(verdict: Verdict, case: Case, path: EquilibriumPath) -> None:
