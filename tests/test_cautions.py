@@ -10,7 +10,7 @@ import pytest
 
 import equivbeam
 import wirefe
-from coilspring import Factors, Load, Scene, Spring, Supports
+from coilspring import Contact, Factors, Load, Scene, Spring, Supports, spring_b
 from coilspring.curves import compare_paths
 from validation.campaign.scenes import case_id, make_case
 from validation.campaign.verdict import reached
@@ -64,6 +64,17 @@ def test_what_is_sudden_is_so_by_the_load():
     path = partial_path(equivbeam.solve, slender(load))
     assert (path.outcome, len(path.times)) == ("bifurcation", 2)
     assert "from its last row" not in path.message
+
+
+@pytest.mark.parametrize("sliding", ["free", "none"])
+@pytest.mark.parametrize("model", [equivbeam, wirefe])
+def test_a_spring_that_comes_back_has_not_buckled(model, sliding):
+    """Rounding, or what sticks, leaves the top where it is without a force."""
+    contact = Contact(sliding=sliding)
+    for load in (Load(stages=((0.0, -120.0), (0.0, 0.0)), steps=2), Load(displacement=(-12.0, 0.0), steps=2)):
+        path = model.solve(replace(spring_b(), load=load, contact=contact))
+        assert abs(path.tips[1, 1]) > 10.0 > 1e-9 > abs(path.tips[-1, 1])
+        assert BUCKLED not in path.message
 
 
 def test_factors_of_the_beam_do_not_matter_to_the_wire():

@@ -14,7 +14,6 @@ VOID_PENETRATION = 0.1  # wire diameters of overlap, beyond which a penalty no l
 # acts sideways those that did not lean moved by at most 1.05 times that way, on plates by 1.34 times.
 BUCKLED = 1.5
 AXIAL = np.array([[0.0, -1.0]])
-MOST_TOLD = 100.0  # a larger ratio is not told
 SUDDEN = 2.0  # times the speed before, with which the top moves on from the last row to the end of a path
 
 
@@ -82,18 +81,17 @@ def _buckled(path: EquilibriumPath, rows: Reached) -> str:
         return ""
     if load.displacement:  # of rows alone the reaction is known
         rows = rows._replace(times=path.times, tips=path.tips, ended=False)
-    y = rows.tips[:, 1]
-    for row, when in (rows.worst(-y), rows.worst(y)) if y.size else ():
+    for sign in (-1.0, 1.0) if len(rows.times) else ():
+        row, when = rows.worst(sign * rows.tips[:, 1])
         if load.displacement:
-            force = abs(float(path.select(slice(row, row + 1)).loads[0, 1]))
+            _, y = path.select(slice(row, row + 1)).loads[0]
         else:
-            force = abs(float(given_loads(load, rows.times[row : row + 1])[0, 1]))
-        straight = _rate(path) * abs(float(y[row]))
-        if straight > BUCKLED * force:
-            far = f"{straight / force:.2g}" if straight < MOST_TOLD * force else f"over {MOST_TOLD:g}"
-            return (
-                f";{when} the top has moved {far} times as far as at the initial rate: the spring has buckled"
-            )
+            _, y = given_loads(load, rows.times[row : row + 1])[0]
+        way, force = float(sign * rows.tips[row, 1]), float(sign * y)
+        # unloaded, a spring is where rounding, or what sticks, leaves it
+        if min(way, force) > 0.0 and (ratio := _rate(path) * way / force) > BUCKLED:
+            moved = f"the top has moved {ratio:.2g} times as far as at the initial rate"
+            return f";{when} {moved}: the spring has buckled"
     return ""
 
 
