@@ -418,14 +418,12 @@ def test_how_the_scenes_were_solved_stands_beside_them(tmp_path, capsys):
     assert json.loads((tmp_path / "sweep.1.json").read_text()) == plain
 
 
-def test_a_mesh_on_plates_is_named_as_it_is(tmp_path, capsys):
-    """Straight elements, beside curved ones of the grid's other scenes."""
+def test_a_grid_has_one_mesh_with_and_without_plates(tmp_path, capsys):
     call = ["sweep", "spring-b-no-contact", "--vary", "supports.seat=rigid,plate", "--accuracy", "1e-2"]
     assert main([*call, "--steps", "1", "--workers", "0", "--out", str(tmp_path)]) == 0
-    found = json.loads((tmp_path / SETTINGS).read_text())["differing"]
-    assert found["element"] == ["curved", "straight"]
-    curved, straight = found["elements_per_turn"]
-    assert f"wirefe, {curved} curved or {straight} straight elements per turn" in capsys.readouterr().out
+    found = json.loads((tmp_path / SETTINGS).read_text())["options"]
+    assert found["element"] == "curved"
+    assert f"wirefe, {found['elements_per_turn']} curved elements per turn" in capsys.readouterr().out
 
 
 def test_options_that_differ_from_scene_to_scene_are_told_apart(tmp_path):

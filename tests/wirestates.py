@@ -36,7 +36,7 @@ def dense(data, H, n):
     for node in range(n // 6):
         full[6 * node : 6 * node + 6, 6 * node : 6 * node + 6] = blocks[node]
     chain = [(e, e + 1) for e in range(len(data.elements.block))]
-    resting = [(node, n // 6 - 1) for node in data.plates.high]
+    resting = data.plates.couplings(n // 6 - 1)
     done = set()
     for part, ends in (
         (data.elements, chain),

@@ -127,7 +127,7 @@ def _first(trials: Trials) -> tuple[EquilibriumPath, float]:
     """The first path and its error, by one on a finer mesh, in fewer steps where these tell as much; infinite
     where more are needed."""
     (first,), factor = trials.found, MIXED if trials.substeps or trials.uneven else FIRST
-    # errors are largest where a pair has just closed, or a node has just come to bear
+    # errors are largest where a pair has just closed, or the wire has just come to bear
     bent = (trials.touching or trials.uneven) and not trials.substeps
     steps = trials.steps if bent else few(trials.steps)
     if trials.guarded and trials.substeps and not trials.erratic:

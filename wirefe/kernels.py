@@ -53,8 +53,12 @@ def _scatter(chain, state, ge, Ke, g, H):
 
 
 @inlined
-def _hold(held, H):
+def hold(held, g, H):
     """Take the held dofs out: nothing but FIXED in their rows and columns."""
+    for m in range(held.dof.size):
+        g[held.dof[m]] = 0.0
+    if len(H) == 0:
+        return
     for m in range(held.block.size):
         B = H[held.block[m]]
         i = held.place[m]
@@ -91,11 +95,7 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, flat):
             energy += add_wires(contact, history, state, g, H)
         else:
             energy += add_spheres(contact, history, state, g, H)
-    held = view_held(ints)
-    for m in range(held.dof.size):
-        g[held.dof[m]] = 0.0
-    if len(H) > 0:
-        _hold(held, H)
+    hold(view_held(ints), g, H)
     return energy, count
 
 

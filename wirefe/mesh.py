@@ -95,7 +95,7 @@ def _elements(name: str, turns: float, elements_per_turn: int, most: int) -> int
 
 def refuse_kinks(spring: Spring, mesh: WireMesh) -> None:
     """Refuse sections of the spring that meet within an element: curved ones are of one piece."""
-    step = mesh.phases[1]
+    step = mesh.phases[1] - mesh.phases[0]
     count = round(TWO_PI / step)
     for number, knot in enumerate(spring.profile.knots[1:-1]):
         if not is_whole(knot / step):

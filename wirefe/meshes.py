@@ -1,8 +1,8 @@
 """Meshes that are finer and finer, how paths on them differ, and the rows at which they are compared.
 
-A level n has at least n curved elements a turn (`STRAIGHT` n straight ones where end turns rest on plates),
-and where wires touch `STATIONS` n stations. Errors fall with the square of the level; where wires touch they
-do so irregularly, and stations, which cost less than elements, make most of them.
+A level n has at least n curved elements a turn, and where wires touch `STATIONS` n stations. Errors fall
+with the square of the level; where wires touch they do so irregularly, and stations, which cost less than
+elements, make most of them.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from coilspring.scene.profile import TWO_PI
 from wirefe.contact.points import PER_TURN, places
 from wirefe.mesh import MOST_ELEMENTS, is_whole
 
-FINEST, FINEST_STRAIGHT = 128, 64  # levels
-STRAIGHT, STATIONS = 10, 12  # elements of a plate-seated spring, and stations, of level 1
+FINEST = 128  # level
+STATIONS = 12  # of level 1
 FEWEST, MOST = 16, 1536  # stations: of first paths, and where nothing touches; a few more have to be allowed
 CLEAR = 0.05  # wire diameters between coils that do not touch on any mesh
 TINY = 1e-12  # of the time 0..1
@@ -40,7 +40,7 @@ class Levels:
     Attributes
     ----------
     scene : what is solved.
-    multiple : the elements of a turn are a multiple of it, `STRAIGHT` times it on plates.
+    multiple : the elements of a turn are a multiple of it.
     spheres : a turn, or None with stations.
     """
 
@@ -60,18 +60,17 @@ class Levels:
                 "with geometry wires"
             )
         multiple = math.lcm(*(_fraction(*end) for end in _ends(scene)), spheres or 1)
-        elements = math.lcm(multiple, elements_of_one(scene))
-        if elements > MOST_ELEMENTS:
+        if multiple > MOST_ELEMENTS:
             raise InputError(
                 f"spring.active_coils must fit a mesh of {MOST_ELEMENTS} elements per turn for accuracy, "
-                f"as must all sections, got {scene.spring.active_coils!r}, which takes {elements}"
+                f"as must all sections, got {scene.spring.active_coils!r}, which takes {multiple}"
             )
-        return cls(scene, elements // elements_of_one(scene), spheres)
+        return cls(scene, multiple, spheres)
 
     @property
     def last(self) -> int:
         """The last level with stations."""
-        return FINEST_STRAIGHT if on_plates(self.scene) else FINEST
+        return FINEST
 
     @property
     def finest(self) -> int:
@@ -80,16 +79,15 @@ class Levels:
         return max(self.at_least(self.last), min(FEW, fit) * self.multiple)
 
     def at_least(self, level: float) -> int:
-        """The next level from here that is the number of its elements, or a `STRAIGHT`th of it."""
+        """The next level from here that is the number of its elements."""
         return self.multiple * math.ceil(level / self.multiple - 1e-9)
 
     def options(self, level: int, stations: int | None = None, beyond: int = 0) -> dict[str, Any]:
         """Options of `wirefe.solve`: more than `beyond` elements per turn, and stations that go with the
         level unless given."""
-        number = elements_of_one(self.scene)
         return {
-            "element": "straight" if on_plates(self.scene) else "curved",
-            "elements_per_turn": number * self.at_least(max(level, beyond // number + 1)),
+            "element": "curved",
+            "elements_per_turn": self.at_least(max(level, beyond + 1)),
             "pairs_per_turn": self.spheres or stations or min(STATIONS * level, MOST),
         }
 
@@ -118,11 +116,6 @@ def _fraction(name: str, turns: float) -> int:
 def on_plates(scene: Scene) -> bool:
     """Whether its end turns rest on plates, and are elastic."""
     return scene.supports.seat == "plate"
-
-
-def elements_of_one(scene: Scene) -> int:
-    """Elements per turn of level 1."""
-    return STRAIGHT if on_plates(scene) else 1
 
 
 @dataclass(frozen=True)

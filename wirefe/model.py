@@ -14,7 +14,6 @@ import numpy as np
 
 from coilspring.compiling.packing import Stack, Table, Vector, Wholes, viewer
 from coilspring.contact.law import tangential_stiffness
-from coilspring.errors import InputError
 from coilspring.scene import SEATS, Scene
 from coilspring.scene.solidwire import wire_flexibility
 from coilspring.scene.wire import round_section
@@ -112,14 +111,12 @@ def _wire(scene: Scene, mesh: WireMesh, element: str) -> Rod:
     solid = spring.wire_rigidity == "solid"
     section = round_section(spring.wire_diameter, scene.material)
     flexibility = wire_flexibility(spring, scene.material)
-    if on_plates and element != "straight":
-        raise InputError(f"element must be straight with supports.seat = 'plate', got {element!r}")
-    if element == "curved":
-        refuse_kinks(spring, mesh)
-        return curved_rod(spring, mesh.phases, flexibility if solid else section).holding(0)
     last = len(mesh.points) - on_plates  # on plates the last node is the top end
     points, phases = mesh.points[:last], mesh.phases[:last]
-    if solid:
+    if element == "curved":
+        refuse_kinks(spring, mesh)
+        rod = curved_rod(spring, phases, flexibility if solid else section)
+    elif solid:
         middles = 0.5 * (phases[:-1] + phases[1:])
         rod = straight_solid_rod(points, flexibility(middles), spring.inward(middles))
     else:
@@ -134,10 +131,9 @@ def rod_model(
     count = len(rod.stiffness)
     chain = np.stack((np.arange(count), np.arange(1, count + 1)), axis=1)
     touching = _pair_couplings(contact)
-    resting = np.stack((plates.high, np.full_like(plates.high, count)), axis=1)
-    couplings = np.concatenate((chain, touching, resting))
+    couplings = np.concatenate((chain, touching, plates.couplings(count)))
     plan, held, block, flip = _topology(count, couplings.tobytes(), rod.held.tobytes())
-    high = count + len(touching)  # number of the first coupling with the top plate
+    high = count + len(touching)  # number of the first coupling with the top end
     reach, span = contact.reaches(count)
     return WireModel(
         ElementArrays(rod.stiffness, rod.second, rod.strain0, rod.triads, arm, block[:count], flip[:count]),

@@ -2,18 +2,18 @@
 
 from coilspring.compiling.compiled import kernel, shaped
 from wirefe import kernels
-from wirefe.contact.plates import press_high, press_low
-from wirefe.model import view_plates
+from wirefe.contact.pressing import press
+from wirefe.model import view_elements, view_held, view_plates
 
 
 @kernel
 def assemble(reals, ints, accepted, least_gap, history, state, g, H):
     """`wirefe.kernels.assemble`, and the plates."""
     energy, pairs = kernels.assemble(reals, ints, accepted, least_gap, history, state, g, H)
-    plates = view_plates(reals, ints)
-    blocks = shaped(H, (H.size // 36, 6, 6))
-    energy += press_low(plates, state, g, blocks) + press_high(plates, state, g, blocks)
-    return energy, pairs + plates.low.size + plates.high.size
+    plates, blocks = view_plates(reals, ints), shaped(H, (H.size // 36, 6, 6))
+    energy += press(plates, view_elements(reals, ints), state, g, blocks)
+    kernels.hold(view_held(ints), g, blocks)
+    return energy, pairs + plates.node.size
 
 
 @kernel

@@ -25,6 +25,7 @@ ACCURACIES = (1e-5, 1e-2)  # that may be asked for
 SMOOTH = 3.0  # of the last path where errors fall evenly
 STEADY = 2.0  # of the last path where they do, and the two estimates before it agree
 UNEVEN = 10.0  # of the last path where errors fall unevenly
+SEATED = 6.0  # of the last path where they do so by plates alone
 ALIKE = 1.5  # ratio of two estimates, below which they agree
 CHANCE = 1e-3  # accuracy up to which two paths agree too often by chance with stations or friction: three do
 SHARE = 0.5  # least resolution of a mesh with few stations, as a share of its level
@@ -96,10 +97,13 @@ class Trials:
 
     @property
     def uneven(self) -> bool:
-        """Whether errors fall unevenly: with stations; on plates, on which end turns bear at nodes; and where
-        wires overlap in the end, which is looked for between points of them."""
-        overlap = bool(self.found) and self.found[-1].path.outcome == "interpenetration"
-        return self.irregular or overlap or on_plates(self.levels.scene)
+        """Whether errors fall unevenly: with stations, on plates, and where wires overlap in the end."""
+        return self.irregular or self.overlapping or on_plates(self.levels.scene)
+
+    @property
+    def overlapping(self) -> bool:
+        """Whether wires overlap in the end, which is looked for between points of them."""
+        return bool(self.found) and self.found[-1].path.outcome == "interpenetration"
 
     @property
     def substeps(self) -> bool:
@@ -195,7 +199,7 @@ class Trials:
     def safety(self) -> float:
         """Error over its estimate by the constant, at most."""
         if self.uneven:
-            return UNEVEN
+            return UNEVEN if self.irregular or self.overlapping else SEATED
         if len(self.found) > 2 and max(self.constants[-2:]) < ALIKE * min(self.constants[-2:]):
             return STEADY
         return SMOOTH

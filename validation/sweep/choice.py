@@ -18,7 +18,7 @@ from validation.study.partialsolve import partial_path
 from validation.sweep.grid import Point, Varied, require_any
 from validation.sweep.run import Choice
 from wirefe.adaptive import solve_to_either
-from wirefe.meshes import Levels, difference, on_plates
+from wirefe.meshes import Levels, difference
 from wirefe.trials import ACCURACIES, NotReached
 
 LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
@@ -139,11 +139,8 @@ def _candidates(grid: Sequence[Point]) -> Iterator[tuple[str, Candidate]]:
     for law in LAWS:  # cheaper than any mesh
         yield f"equivbeam, law {law}", partial(beam, law=law)
     multiple = math.lcm(*{Levels.of(point.scene, None).multiple for point in grid if point.scene})
-    one_each = {on_plates(point.scene): point.scene for point in grid if point.scene}.values()
     for level in dict.fromkeys(multiple * math.ceil(level / multiple) for level in LEVELS):
-        meshes = (Levels.of(scene, None).options(level) for scene in one_each)
-        elements = sorted("{elements_per_turn} {element}".format(**mesh) for mesh in meshes)
-        yield f"wirefe, {' or '.join(elements)} elements per turn", partial(wire, level=level)
+        yield f"wirefe, {level} curved elements per turn", partial(wire, level=level)
 
 
 def _worst(candidate: Candidate, wires: Sequence[EquilibriumPath], accuracy: float) -> float:

@@ -37,6 +37,7 @@ from validation.workprecision.settings import (
     STEPS,
     Extent,
     Setting,
+    fitted,
     settings,
 )
 
@@ -152,8 +153,8 @@ def _times(ratios: np.ndarray, paper: float) -> dict[str, float]:
 
 def _reference(scene: Scene, extent: Extent) -> tuple[EquilibriumPath, list[dict[str, object]]]:
     """The finest path, and rows of its own error."""
-    series, half = extent.finest_mesh(scene)
-    finest = Setting.wire(scene, series, 2 * half, steps=extent.finest)
+    half = fitted(scene, extent.reference // 2)
+    finest = Setting.wire(scene, "curved", 2 * half, steps=extent.finest)
     path = solve_wire(scene, **finest.options)
     coarse, short = replace(finest, elements_per_turn=half), replace(finest, steps=extent.finest // 2)
     rows = [

@@ -93,12 +93,6 @@ class Extent:
     peer_rounds: int = 1  # timed rounds of OpenSees
     finest = 200  # steps of the reference: every number of steps here divides it
 
-    def finest_mesh(self, scene: Scene) -> tuple[str, int]:
-        """Element of the reference and half of its number per turn; plates go with straight ones alone."""
-        if scene.supports.seat == "plate":
-            return "straight", fitted(scene, max(self.straight))
-        return "curved", fitted(scene, self.reference // 2)
-
 
 QUICK = Extent((8, 20, 40), (4, 8), 32, (1, 10), (8,), 3, ((40, STEPS),))
 NORMAL = Extent(

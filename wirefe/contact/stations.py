@@ -47,6 +47,11 @@ def carried(spring: Spring, mesh: WireMesh, phases: np.ndarray) -> tuple[np.ndar
 def carried_points(mesh: WireMesh, phases: np.ndarray, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same for positions alone, shape (phases, 9); `rest` are the wire's points at rest."""
     node = np.clip(np.searchsorted(mesh.phases, phases), 1, len(mesh.phases) - 1) - 1
+    return node, parts_between(mesh, node, phases, rest)
+
+
+def parts_between(mesh: WireMesh, node: np.ndarray, phases: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """What points of the elements above some nodes take of both ends, shape (phases, 9)."""
     _, s, A, B, a, b = _neighbours(mesh, phases, node)
     low, high = s * (1.0 - s) ** 2, s**2 * (1.0 - s)
     parts = np.zeros((len(phases), SLOPES))
@@ -54,7 +59,7 @@ def carried_points(mesh: WireMesh, phases: np.ndarray, rest: np.ndarray) -> tupl
     parts[:, ROTATION : ROTATION + 1] = s
     parts[:, ARMS : ARMS + 3] = (1.0 - s) * (rest - a) + low * (A - a) - high * (B - a)
     parts[:, ARMS + 3 :] = s * (rest - b) - low * (A - b) + high * (B - b)
-    return node, parts
+    return parts
 
 
 def _neighbours(mesh: WireMesh, phases: np.ndarray, node: np.ndarray) -> tuple[np.ndarray, ...]:

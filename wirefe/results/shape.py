@@ -149,15 +149,12 @@ class WireShape(PairReader):
     @property
     def assemble(self) -> Callable:
         """The kernel of the model: with plates, or without."""
-        return (seated if len(self.data.plates.low) else kernels).assemble
+        return (seated if len(self.data.plates.node) else kernels).assemble
 
     def reactions(self, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
         """Force that holds the top along X and Y, shape (states, 2), N."""
-        held, plates, top = self.data.held, self.data.plates, self.size - 6
-        free = plates.free.copy()
-        free[:2] = 1.0  # plates leave out what is held
-        held = held._replace(dof=held.dof[(held.dof < top) | (held.dof > top + 1)])
-        data = self.data._replace(held=held, plates=plates._replace(free=free))
+        held, top = self.data.held, self.size - 6
+        data = self.data._replace(held=held._replace(dof=held.dof[(held.dof < top) | (held.dof > top + 1)]))
         return reactions(self.assemble, data, self.size, top, states, histories)
 
     def rates(self, states: np.ndarray, histories: np.ndarray | None, directions: np.ndarray) -> np.ndarray:

@@ -1,0 +1,226 @@
+"""The potential of plates under end turns, and of what holds the top tip along its plate.
+
+The bottom plate is fixed, the top one moves and turns with the top end. With the normal n of a plate, its
+reference point X and the vector w = X - x from a point x of the wire, the gap is ``g = n . w - c``, where c
+makes it zero at rest for points of the end turns, whose undersides are ground flat. Plates push and do not
+pull: the potential is the integral of 1/2 k g^2 over where g <= 0, and the wire slides on them. What holds
+the tip is a spring 1/2 k g^2 for both signs of g, with n along the plate. With n = exp(phi) n along the
+exponential map
+
+    dg = n . (dX - dx) + phi . (n x w)
+    d2g = 2 phi . (n x (dX - dx)) + (phi . n)(phi . w) - (n . w) phi . phi - n . d2x
+
+with x between two nodes as in `wirefe.contact.stations`: of each a share of its place, and an arm.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from coilspring.compiling.compiled import arithmetic, inlined
+from wirefe.contact.plates import BORDERS, PIECES
+from wirefe.contact.stations import ARMS, POSITION
+from wirefe.element.algebra import cross, dot, lever, mixed, plus, product, put, scaled, skew
+from wirefe.element.poses import ROW, four, three, three_of
+from wirefe.element.rotations import turned
+
+ALONG = (0, 2)  # axes of a plate along it
+SIZE = 18  # dofs of a gap: of both nodes, and of the top end
+
+
+class Plane(NamedTuple):
+    """A plane against which an element is pressed, or on which its end is held."""
+
+    n: Any  # (3,) its normal
+    X: Any  # (3,) its reference point
+    top: int  # node with which it moves, or -1: it does not
+
+
+class Lever(NamedTuple):
+    """What a gap depends on; or sums of it over several gaps, each times a force."""
+
+    n: Any  # (3,) normal of the plane
+    one: float  # 1, or the sum of the forces
+    p: float  # share of the second node
+    ra: Any  # (3,) arm of the first node, as turned now
+    rb: Any  # (3,) of the second
+    w: Any  # (3,) from the point to the plane's reference point
+
+
+class Pressure(NamedTuple):
+    """Of the borders of an element's pieces."""
+
+    gap: Any  # (n,)
+    force: Any  # (n,) derivative of the energy in the gap
+    own: Any  # (n,) of the force in the gap
+    other: Any  # (n,) and in the next one
+    L: Any  # (n, 18) gradient of the gap in both nodes and the top end
+
+
+@inlined
+def press(plates, chain, state, g, H):
+    """Potential of the plates, and of what holds the tip along the top one; adds its gradient and Hessian."""
+    energy, top, last = 0.0, state.size // ROW - 1, plates.node.size - 1
+    X, q = three(state, ROW * top), four(state, ROW * top + 3)
+    row = np.empty((4, BORDERS))
+    pressure = Pressure(row[0], row[1], row[2], row[3], np.empty((BORDERS, SIZE)))
+    for m in range(plates.node.size):
+        plane = Plane((0.0, -1.0, 0.0), (0.0, 0.0, 0.0), -1)
+        if m >= plates.below:
+            plane = Plane(turned(q, (0.0, 1.0, 0.0)), X, top)
+        least = 0.0
+        for i in range(BORDERS):
+            pressure.gap[i] = dot(plane.n, _lever(plates, state, m, i, plane).w) - plates.c[BORDERS * m + i]
+            least = min(least, pressure.gap[i])
+        if least < 0.0:
+            energy += _push(plates.stiffness, pressure)
+            _add(plates, chain, state, m, plane, pressure, g, H)
+    for axis in ALONG:
+        plane = Plane(turned(q, (1.0 - 0.5 * axis, 0.0, 0.5 * axis)), X, top)
+        gap = dot(plane.n, _lever(plates, state, last, PIECES, plane).w) - plates.tip[axis]
+        _clear(pressure)
+        pressure.force[PIECES], pressure.own[PIECES] = plates.hold * gap, plates.hold
+        energy += 0.5 * plates.hold * gap * gap
+        _add(plates, chain, state, last, plane, pressure, g, H)
+    return energy
+
+
+@arithmetic
+def _clear(pressure):
+    """No forces."""
+    for i in range(BORDERS):
+        pressure.force[i] = pressure.own[i] = pressure.other[i] = 0.0
+
+
+@arithmetic
+def _lever(plates, state, m, i, plane):
+    """What the gap of the border i of the element m depends on."""
+    a, row = ROW * plates.node[m], BORDERS * m + i
+    p = plates.parts[row, POSITION]
+    ra = turned(four(state, a + 3), three_of(plates.parts, row, ARMS))
+    rb = turned(four(state, a + ROW + 3), three_of(plates.parts, row, ARMS + 3))
+    x = plus(mixed(1.0 - p, three(state, a), p, three(state, a + ROW)), 1.0, plus(ra, 1.0, rb))
+    return Lever(plane.n, 1.0, p, ra, rb, plus(plane.X, -1.0, x))
+
+
+@arithmetic
+def _push(k, pressure):
+    """Energy of a penalty k of pieces; fills the forces on their borders.
+
+    Along a piece the gap is linear, and 1/2 k g^2 is integrated where it is below 0.
+    """
+    energy, k = 0.0, k / 6.0
+    _clear(pressure)
+    for i in range(PIECES):
+        a, b = pressure.gap[i], pressure.gap[i + 1]
+        if min(a, b) >= 0.0:
+            continue
+        if max(a, b) <= 0.0:
+            energy += k * (a * a + a * b + b * b)
+            fa, fb, kaa, kab, kbb = 2.0 * a + b, a + 2.0 * b, 2.0, 1.0, 2.0
+        else:
+            a, b = min(a, b), max(a, b)
+            s = a / (a - b)  # share of the piece that is pressed
+            energy += k * a * a * s
+            fa, fb, kab = a * s * (3.0 - s), a * s * s, s * s * (3.0 - 2.0 * s)
+            kaa, kbb = s * (6.0 - 6.0 * s + 2.0 * s * s), 2.0 * s**3
+            if a != pressure.gap[i]:
+                fa, fb, kaa, kbb = fb, fa, kbb, kaa
+        pressure.force[i] += k * fa
+        pressure.force[i + 1] += k * fb
+        pressure.own[i] += k * kaa
+        pressure.own[i + 1] += k * kbb
+        pressure.other[i] = k * kab
+    return energy
+
+
+@arithmetic
+def _add(plates, chain, state, m, plane, pressure, g, H):
+    """Add gradient and Hessian of the forces on the borders of the element m."""
+    one, p, ra, rb, w = 0.0, 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for i in range(BORDERS):
+        if pressure.own[i] != 0.0:
+            f, at = pressure.force[i], _lever(plates, state, m, i, plane)
+            _put_gradient(at, pressure.L[i])
+            one, p, w = one + f, p + f * at.p, plus(w, f, at.w)
+            ra, rb = plus(ra, f, at.ra), plus(rb, f, at.rb)
+    total, G = Lever(plane.n, one, p, ra, rb, w), np.empty(SIZE)
+    nodes = (plates.node[m], plates.node[m] + 1, plane.top)
+    _put_gradient(total, G)
+    for i in range(SIZE):
+        if nodes[i // 6] >= 0:
+            g[6 * nodes[i // 6] + i % 6] += G[i]
+    if len(H) > 0:
+        K = np.zeros((SIZE, SIZE))
+        _put_levers(total, K)
+        _add_products(pressure, K, SIZE if plane.top >= 0 else 12)
+        _scatter(plates, chain, m, nodes, K, H)
+
+
+@arithmetic
+def _put_gradient(at, L):
+    """Gradient (18,) of the gap in both nodes and the top end."""
+    n, a = at.n, at.p - at.one
+    L[0], L[1], L[2] = a * n[0], a * n[1], a * n[2]
+    L[3], L[4], L[5] = cross(n, at.ra)
+    L[6], L[7], L[8] = -at.p * n[0], -at.p * n[1], -at.p * n[2]
+    L[9], L[10], L[11] = cross(n, at.rb)
+    L[12], L[13], L[14] = at.one * n[0], at.one * n[1], at.one * n[2]
+    L[15], L[16], L[17] = cross(n, at.w)
+
+
+@arithmetic
+def _put_levers(at, K):
+    """Put the second derivative of the gap into K (18, 18)."""
+    N, down = skew(at.n, 1.0), (-at.n[0], -at.n[1], -at.n[2])
+    put(K, 3, 3, lever(down, at.ra))
+    put(K, 9, 9, lever(down, at.rb))
+    put(K, 15, 15, lever(at.n, at.w))
+    put(K, 15, 0, scaled(at.p - at.one, N))
+    put(K, 15, 3, product(N, skew(at.ra, 1.0)))
+    put(K, 15, 6, scaled(-at.p, N))
+    put(K, 15, 9, product(N, skew(at.rb, 1.0)))
+    put(K, 15, 12, scaled(at.one, N))
+
+
+@arithmetic
+def _add_products(pressure, K, size):
+    """Add the products of the gradients of borders, each with itself and with the next one."""
+    L = pressure.L
+    for n in range(BORDERS):
+        own, other = pressure.own[n], pressure.other[n]
+        if own != 0.0:
+            for i in range(size):
+                for j in range(size):
+                    K[i, j] += own * L[n, i] * L[n, j]
+        if other != 0.0:
+            for i in range(size):
+                for j in range(size):
+                    K[i, j] += other * (L[n, i] * L[n + 1, j] + L[n + 1, i] * L[n, j])
+
+
+@arithmetic
+def _scatter(plates, chain, m, nodes, K, H):
+    """Add K (18, 18) of the element m to the blocks of its nodes and of the top end where that moves."""
+    a, b, top = nodes
+    _add_block(H[a], K, 0, 0, True)
+    _add_block(H[b], K, 1, 1, True)
+    _add_block(H[chain.block[a]], K, 0, 1, chain.flip[a])
+    if top >= 0:
+        _add_block(H[top], K, 2, 2, True)
+        for s in range(2):
+            at = 2 * (m - plates.below) + s
+            _add_block(H[plates.block[at]], K, s, 2, plates.flip[at])
+
+
+@arithmetic
+def _add_block(B, K, s, t, first):
+    """Add the block (s, t) of K to B, whose rows are those of the first node or else of the second."""
+    for i in range(6):
+        for j in range(6):
+            if first:
+                B[i, j] += K[6 * s + i, 6 * t + j]
+            else:
+                B[j, i] += K[6 * s + i, 6 * t + j]
