@@ -9,10 +9,12 @@ import numpy as np
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath, require_path
 from coilspring.scene.load import stage_ends
+from coilspring.scene.sizing import middle_diameter
 
 COMPONENTS = ("ux", "uy", "rotz")
 # A component whose reference peak is below this share of the largest one is fixed, or only rounding.
 NEGLIGIBLE = 1e-9
+SYMMETRIC = 1e-5  # the same of what symmetry would leave at zero, and a mesh or contact moves
 NAN = float("nan")
 
 
@@ -49,7 +51,8 @@ class Comparison:
         with the largest maximum, and of the one with the largest root mean square.
     shape_max, shape_rms : distance of the centres of the contact circles at `last_time`, mm.
     component_max, component_rms : the curve errors of UX, UY, ROTZ alone; components that the
-        reference does not move are left out; "uy" is the axial force where UY is prescribed.
+        reference does not move, or by less than 1e-5 of its largest motion, are left out; "uy" is the axial
+        force where UY is prescribed.
     steps : number of common times.
     last_time : last common time, 0 where there is none.
     """
@@ -89,7 +92,7 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
             f"{circles[0]} and {circles[1]} times"
         )
     times, here, there = np.intersect1d(path.times, reference.times, return_indices=True)
-    curve = compare_curves(Curve.of(path), Curve.of(reference))
+    curve = compare_curves(Curve.of(path), Curve.of(reference), moving(reference))
     if times.size == 0:
         return curve
     vectors = path.circle_centres(here[-1]) - reference.circle_centres(there[-1])
@@ -97,21 +100,31 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     return replace(curve, shape_max=float(distance.max()), shape_rms=float(np.sqrt(np.mean(distance**2))))
 
 
-def compare_curves(curve: Curve, reference: Curve) -> Comparison:
+def moving(path: EquilibriumPath) -> np.ndarray:
+    """In which of `COMPONENTS` the top of a path moves, but for what symmetry would leave at zero.
+
+    Motions are in mm, of ROTZ that of a coil's radius.
+    """
+    return moved(path.tips * (1.0, 1.0, 0.5 * middle_diameter(path.scene.spring)), SYMMETRIC)
+
+
+def compare_curves(curve: Curve, reference: Curve, moves: np.ndarray | None = None) -> Comparison:
     """Compare load curves alone at the times of both; the shape is not a number.
 
     Parameters
     ----------
     curve : what is compared.
     reference : whose peaks, of all its times, the curve errors are divided by.
+    moves : (components,) whether each is compared; unless given, where the reference's answer is not zero.
     """
     # equal fractions of time are equal numbers, whatever the two numbers of steps
     common, mine, theirs = np.intersect1d(curve.times, reference.times, return_indices=True)
     if common.size == 0:
         return Comparison(NAN, NAN, NAN, NAN, {}, {}, 0, 0.0)
-    moves = moved(reference.answers)
+    moves = moved(reference.answers) if moves is None else moves
     names = np.array(COMPONENTS)[moves].tolist()
-    relative = over_peak(curve.answers[mine], reference.answers, theirs)[:, moves]
+    peaks = np.abs(reference.answers[:, moves]).max(axis=0, initial=0.0)
+    relative = (curve.answers[mine] - reference.answers[theirs])[:, moves] / peaks
     sizes = (np.abs(relative).max(axis=0), np.sqrt(np.mean(relative**2, axis=0)))
     curve_max, curve_rms = (float(each.max()) for each in sizes)
     largest, rms = (dict(zip(names, each.tolist(), strict=True)) for each in sizes)
@@ -130,10 +143,11 @@ def over_peak(
     return (answers - reference[rows]) / np.where(moved(reference), peaks, NAN)
 
 
-def moved(answers: np.ndarray) -> np.ndarray:
-    """Which components of answers (steps, components) move; the others are fixed, or only rounding.
+def moved(answers: np.ndarray, share: float = NEGLIGIBLE) -> np.ndarray:
+    """Which components of answers (steps, components) move by more than a share of the largest peak; unless
+    given, the others are fixed, or only rounding.
 
     One that is not a number counts as moving: a deviation from it is then no number either, and not left out.
     """
     peaks = np.abs(answers).max(axis=0, initial=0.0)
-    return ~(peaks <= NEGLIGIBLE * np.nanmax(peaks, initial=0.0))
+    return ~(peaks <= share * np.nanmax(peaks, initial=0.0))

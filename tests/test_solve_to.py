@@ -27,6 +27,7 @@ from coilspring import (
     spring_a,
     spring_b,
 )
+from coilspring.curves import compare_paths
 from coilspring.scene.profile import CoilSection
 from coilspring.scene.toml import scene_table
 from validation.cli import main
@@ -237,6 +238,19 @@ def test_a_spring_that_leans_on_its_plates_is_solved_as_accurately_as_asked():
     for accuracy in (1e-2, 1e-3):
         found = wirefe.solve_to(scene, accuracy)
         assert difference(found, exact) < found.estimated_error <= accuracy
+
+
+def test_what_symmetry_leaves_at_zero_is_not_asked_for():
+    """The wire's middle is on the X axis: UX is zero but for the mesh, 3e-7 mm of 5, and was refused."""
+    spring, load = Spring(1.5, 10.0, active_coils=4.0, active_height=12.0), Load((0.0, -60.0), 10)
+    scene = Scene("guided", spring, load, supports=Supports(("rotz",), seat="plate"), contact=Contact())
+    path = wirefe.solve_to(scene, 1e-3)
+    assert path.estimated_error <= 1e-3
+    finer = wirefe.solve(scene, element="curved", elements_per_turn=64, pairs_per_turn=384)
+    found = compare_paths(path, finer)
+    assert list(found.component_max) == ["uy"]
+    assert found.curve_max == difference(path, finer) < path.estimated_error
+    assert 0.0 < np.abs(finer.tips[:, 0]).max() < 1e-5 * np.abs(finer.tips[:, 1]).max()
 
 
 @pytest.mark.parametrize(("finest", "words"), [(8, ["at least"]), (16, ["at least about"])])

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.curves import Curve, compare_curves
+from coilspring.curves import Curve, compare_curves, moving
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath, shape_of
 from coilspring.scene import Scene
@@ -168,7 +168,7 @@ def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:
     """Of two load curves, and of the times at which they end early; infinite where they end otherwise."""
     if coarse.outcome != fine.outcome:
         return math.inf
-    found = compare_curves(Curve.of(coarse), Curve.of(fine))
+    found = compare_curves(Curve.of(coarse), Curve.of(fine), moving(fine))
     curve = found.curve_max if found.steps else 0.0
     if coarse.end_bracket is None or fine.end_bracket is None:
         return curve
