@@ -8,9 +8,9 @@ import numpy as np
 from coilspring.compiling.compiled import clear, copy, inlined, kernel, lent, shaped
 from coilspring.contact.kinematics import approach, spheres
 from coilspring.contact.law import pair_potential
+from coilspring.contact.pairs import accept, update
 from coilspring.contact.rates import length_gradient as gradient_of_length
 from coilspring.contact.rates import pair_rate
-from coilspring.contact.remembering import accept, update
 from equivbeam.band import ROW, fix
 from equivbeam.band import factor as factor
 from equivbeam.band import solve as solve
@@ -189,7 +189,7 @@ def displacement_bound(reals, ints, a, b, least):
 
 @kernel
 def update_history(reals, ints, state, history):
-    """See `coilspring.contact.remembering.accept`."""
+    """See `coilspring.contact.pairs.accept`."""
     model = view(reals, ints)
     if model.pairs.shape[0] == 0:
         return np.inf
@@ -198,7 +198,7 @@ def update_history(reals, ints, state, history):
 
 @kernel
 def update_pairs(reals, ints, accepted, predicted, state, history):
-    """See `coilspring.contact.remembering.update`."""
+    """See `coilspring.contact.pairs.update`."""
     model = view(reals, ints)
     if model.mu == 0.0:
         return 0.0

@@ -10,7 +10,7 @@ import wirefe
 from coilspring import Contact, Load, Scene, Spring, Supports
 from coilspring.contact.history import barely_pressed, release_grazing
 from coilspring.contact.law import PAIR_HISTORY
-from coilspring.contact.touching import GRAZING
+from coilspring.contact.transitions import GRAZING
 from coilspring.solver.tangential.complementarity import FREE, GAP, HELD, SLIP, STICKS, TOUCHES, complementary
 from validation.campaign.run import verify
 from validation.campaign.runs import changed, deviation

@@ -6,13 +6,13 @@ from scipy.spatial.transform import Rotation
 
 from coilspring.contact import forces as pairforces
 from coilspring.contact import law as pairlaw
-from coilspring.contact import remembering
+from coilspring.contact import pairs
 from coilspring.contact.forces import tangential_forces
 from coilspring.contact.kinematics import BETWEEN, approach, spheres
 from coilspring.contact.law import PairLaw, arc, normal_law, pair_potential, tangential_stiffness
-from coilspring.contact.remembering import accept, update
+from coilspring.contact.pairs import accept, update
 from coilspring.contact.results import PairReader
-from coilspring.contact.touching import FINEST, TOUCHING, update_bound
+from coilspring.contact.transitions import FINEST, TOUCHING, update_bound
 from pairrecords import held, pair_records
 from wirefe.contact.spheres import pair_matrix
 
@@ -77,7 +77,7 @@ class Reader(PairReader):
 
 
 def test_an_edited_law_is_that_of_kernels_of_readers_and_of_friction(monkeypatch):
-    for module in (pairlaw, remembering, pairforces):
+    for module in (pairlaw, pairs, pairforces):
         monkeypatch.setattr(module, "normal_law", _stiffening)
     f, H = np.empty(3), np.empty((3, 3))
     g = np.array([0.0, D - 0.1, 0.0])

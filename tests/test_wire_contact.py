@@ -21,7 +21,7 @@ from coilspring import (
 )
 from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY
-from coilspring.contact.touching import first_touch
+from coilspring.contact.transitions import first_touch
 from coilspring.scene.wire import Section
 from validation.campaign.scenes import make_case
 from validation.campaign.verdict import reached

@@ -6,7 +6,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, inlined, kernel, lent, shaped
 from coilspring.contact.kinematics import OVERLAP_ALLOWED, approach, spheres
-from coilspring.contact.remembering import accept, update
+from coilspring.contact.pairs import accept, update
 from coilspring.solver.interface import FIXED
 from wirefe.chain import add_block, add_gradient, add_nodes, eliminate, substitute
 from wirefe.contact.overlap import wire_overlap
@@ -188,7 +188,7 @@ def displacement_bound(reals, ints, a, b, least):
 
 @kernel
 def update_history(reals, ints, state, history):
-    """See `coilspring.contact.remembering`; minus infinity: wires touch that are no pair."""
+    """See `coilspring.contact.pairs`; minus infinity: wires touch that are no pair."""
     state, history = lent(state), lent(history)
     contact = view_contact(reals, ints)
     if contact.pairs.shape[0] > 0 and touch_unlisted(contact, state):
@@ -200,7 +200,7 @@ def update_history(reals, ints, state, history):
 
 @kernel
 def update_pairs(reals, ints, accepted, predicted, state, history):
-    """See `coilspring.contact.remembering.update`."""
+    """See `coilspring.contact.pairs.update`."""
     accepted, predicted, state, history = lent(accepted), lent(predicted), lent(state), lent(history)
     contact = view_contact(reals, ints)
     if contact.mu == 0.0:

@@ -1,4 +1,4 @@
-"""What contact remembers from substep to substep, whatever a model's pairs are."""
+"""What contact remembers of pairs from substep to substep, whatever a model's pairs are."""
 
 import numpy as np
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from coilspring.compiling.compiled import inlined
 from coilspring.contact.law import arc, stretch
-from coilspring.contact.remembering import Geometry
-from coilspring.contact.touching import located_to
+from coilspring.contact.pairs import Geometry
+from coilspring.contact.transitions import located_to
 
 TOUCH = 0.002  # wire diameters by which a pair that nothing holds may penetrate where a prediction closes it
 OVERLAP_ALLOWED = 0.1  # wire diameters by which wires may overlap more than the deepest pair does

@@ -10,7 +10,7 @@ Inelasticity, chapter 2): ``Kt l`` up to a bound. Within a substep the bound is 
 ``b (1 + r s)``, so that the pair keeps a potential; the path follower renews b until the line meets the bound
 ``mu F`` of the normal force at the slip that is found. The rise r is no part of the law then, but of the
 matrix (`coilspring.solver.tangential.friction`). What slid is taken off l when the substep is accepted:
-`coilspring.contact.touching`.
+`coilspring.contact.transitions`.
 """
 
 import math

@@ -9,7 +9,7 @@ import numpy as np
 
 from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY
-from coilspring.contact.touching import located_to
+from coilspring.contact.transitions import located_to
 from coilspring.errors import EquilibriumNotFound
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene

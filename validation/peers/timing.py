@@ -29,7 +29,7 @@ from validation.study.timing import announced, interleaved, quartiles, spread
 CODES = ("wirefe", "opensees")
 SCENES = ("spring-a", "spring-a-no-contact", "spring-b-no-contact")
 STEPS = 50  # of the paper
-LADDER = (1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, STEPS)
+COUNTS = (1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, STEPS)
 AGREEMENT = 0.002  # of the tip: between the codes, and of few steps with `STEPS`
 ROUNDS = 5
 PAGE = template.template(Path(__file__).with_name("timing.md"))
@@ -67,14 +67,14 @@ def runs_of(scene: Scene, peer: ModuleType) -> dict[str, Run]:
 
 
 def sufficient(run: Run, name: str) -> dict[int, PeerCurve]:
-    """Curves of a code in the numbers of steps of `LADDER` that give the tip of `STEPS`.
+    """Curves of a code in the numbers of steps of `COUNTS` that give the tip of `STEPS`.
 
     Raises `EndedEarly`: it does not reach full load in those. This first run also makes what runs ready.
     """
     reference = run(STEPS)
     if len(reference.times) < STEPS:
         raise EndedEarly(f"{reference.code} did not reach full load on {name} in {STEPS} steps")
-    curves = {steps: run(steps) for steps in LADDER}
+    curves = {steps: run(steps) for steps in COUNTS}
     whole = {steps: curve for steps, curve in curves.items() if len(curve.times) == steps}
     tip = reference.tips[-1]
     return {steps: curve for steps, curve in whole.items() if tip_deviation(curve.tips[-1], tip) <= AGREEMENT}
@@ -118,7 +118,7 @@ def page(data: pd.DataFrame, tolerance: float) -> str:
         tips=view(pd.DataFrame(tips), TIPS),
         rounds=ROUNDS,
         steps=STEPS,
-        ladder=", ".join(map(str, LADDER)),
+        counts=", ".join(map(str, COUNTS)),
         tolerance=tolerance,
         agreement=AGREEMENT,
     )

@@ -1,7 +1,7 @@
 """Accuracy on request, on one random spring after the other: its errors, estimates and times.
 
 The error is measured against the wire model by `REFERENCE`; what `FINER` changes is its own error. Time is
-CPU time, of `wirefe.solve_to` and of the cheapest of single runs on the levels of `LADDER`, with `DENSITIES`
+CPU time, of `wirefe.solve_to` and of the cheapest of single runs on the levels of `LEVELS`, with `DENSITIES`
 stations for each element, whose error is small enough, all else included: medians of runs that take turns.
 """
 
@@ -29,7 +29,7 @@ SEED, EACH = 20, 38  # springs of every kind and seed
 COILS = 5.0  # at most: the reference takes seconds
 # Elements and stations a turn, and times the scene's steps where there is friction.
 REFERENCE, FINER = (64, 1538, 4), (128, 1998, 8)
-LADDER = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
+LEVELS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)  # levels among which the cheapest sufficient one is
 DENSITIES = (4, 8, 16)  # stations for each element there, up to `MOST`
 # Kinds of springs besides those of `KINDS`, all of which are on rigid ends, loaded once, and of few sections.
 PLATES, UNLOADED, SECTIONS = OTHERS = ("on plates", "unloaded to 30 %", "of sections")
@@ -159,7 +159,7 @@ def _cheapest(
     found: list[tuple[float, float, dict[str, Any]]] = []
     touching = scene.contact.enabled and levels.spheres is None
     for density in DENSITIES if touching else DENSITIES[:1]:
-        for level in sorted({levels.at_least(level) for level in LADDER}):
+        for level in sorted({levels.at_least(level) for level in LEVELS}):
             mesh = levels.options(level, min(density * level, MOST))
             (path, first), (_, second) = (_timed(wirefe.solve, scene, **mesh) for _ in range(2))
             assert path is not None

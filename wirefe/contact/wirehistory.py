@@ -3,7 +3,7 @@
 import math
 
 from coilspring.compiling.compiled import inlined
-from coilspring.contact.remembering import Geometry
+from coilspring.contact.pairs import Geometry
 from wirefe.contact.wires import between_sections, gap, placed, tangential_slip, touching_points
 from wirefe.element.algebra import dot, plus
 

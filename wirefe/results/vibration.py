@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from coilspring.contact.touching import GRAZING
+from coilspring.contact.transitions import GRAZING
 from coilspring.errors import require_choice, require_integer
 from coilspring.path import EquilibriumPath, require_step, shape_of
 from wirefe.contact.stations import ARMS, POSITION, ROTATION, carried, rows, stations_in, turned_rows

@@ -16,7 +16,7 @@ from coilspring.contact.history import (
     touched_first,
 )
 from coilspring.contact.rates import GAP_RATE
-from coilspring.contact.touching import OPEN
+from coilspring.contact.transitions import OPEN
 from coilspring.solver.continuation.branch import most_turn
 from coilspring.solver.continuation.snap import count_snap, passes_snap, snapped
 from coilspring.solver.continuation.stability import predicted_zero

@@ -4,7 +4,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.kinematics import TOUCH
-from coilspring.contact.touching import grazing_depth
+from coilspring.contact.transitions import grazing_depth
 from coilspring.solver.continuation.stability import SETTLED, begin_watch, least_stiffness
 from coilspring.solver.continuation.substep import free_room
 from coilspring.solver.equilibrium.operations import assembled, factored, solution

@@ -18,7 +18,7 @@ from coilspring.contact.history import (
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
 from coilspring.contact.law import tangential_stiffness
-from coilspring.contact.touching import OPEN
+from coilspring.contact.transitions import OPEN
 from coilspring.solver.continuation import snap
 from coilspring.solver.continuation.branch import (
     LEAST_TURN,

@@ -13,7 +13,7 @@ import numpy as np
 from coilspring.compiling.compiled import copy, part
 from coilspring.contact.history import copy_history
 from coilspring.contact.rates import GAP_RATE, LENGTH_RATE
-from coilspring.contact.touching import GRAZING
+from coilspring.contact.transitions import GRAZING
 from coilspring.solver.equilibrium.operations import factor_state, solution
 from coilspring.solver.tangential.complementarity import GAP, HELD, SLIP, complementary, eliminated
 from coilspring.solver.tangential.response import find_rates, unit_force_response
@@ -29,7 +29,7 @@ NEARLY = 0.5  # of the stiffness: where a pair opened with no share so far, all 
 def update_grazing(system, task, work, substep, pressed):
     """Renew the released shares in `work.history` of grazing pairs, at the trial state found with them.
 
-    Returns the largest gap over `coilspring.contact.touching.GRAZING`, or penetration of a pair that gives
+    Returns the largest gap over `coilspring.contact.transitions.GRAZING`, or penetration of a pair that gives
     way over `pressed`, in wire diameters: up to 1 nothing is changed; infinity where no answer was found.
     """
     history = work.history

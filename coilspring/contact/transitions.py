@@ -1,4 +1,4 @@
-"""How what a pair remembers changes: it touches, slides, opens, is released, grazes, and touches again."""
+"""Transitions of one pair: it touches, slides, opens, is released, grazes, and touches again."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What contact remembers of all pairs, whatever they are, as a trial state is found and as it is accepted."""
+"""What contact remembers of all pairs: updated as a trial state is found, and as it is accepted."""
 
 import math
 from typing import Any, NamedTuple
@@ -7,7 +7,7 @@ import numpy as np
 
 from coilspring.compiling.compiled import inlined, lent
 from coilspring.contact.law import normal_law
-from coilspring.contact.touching import (
+from coilspring.contact.transitions import (
     first_touch,
     gave_way,
     goes_on,
