@@ -129,3 +129,12 @@ def test_a_soft_law_of_ones_own_does_not_buckle():
     soft, paper = (equivbeam.solve(scene, **options) for options in ({"law": law}, {}))
     assert soft.tips[-1, 1] == pytest.approx(2.0 * paper.tips[-1, 1], rel=1e-6)
     assert "buckled" not in soft.message
+
+
+def test_a_short_spring_on_plates_has_not_buckled():
+    """By the formula, which is not of half a coil, it moved twice as far as at its initial rate."""
+    spring = Spring(1.5, 10.0, 0.5, 3.0, end_turns=0.5)
+    seat = Supports(("ux", "rotz"), seat="plate")
+    scene = Scene("short", spring, Load((0.0, -10.0), 2), supports=seat, contact=Contact())
+    path = wirefe.solve(scene, element="curved", elements_per_turn=4)
+    assert path.message == "the load path was followed to time 1"

@@ -23,11 +23,10 @@ from coilspring.scene.sizing import axial_rate
 from wirefe import kernels, seated
 from wirefe.contact.plates import BORDERS
 from wirefe.contact.stations import ARMS, POSITION
-from wirefe.contact.stations import turned_rows as turned
 from wirefe.model import build_model, matrix_size, rest_state
 from wirefe.results.export import section_results
 from wirefe.results.linear import linear_stiffness
-from wirestates import dense
+from wirestates import dense, gaps_at, plate_forces, pressed
 
 SPRING = Spring(1.5, 10.0, 5.0, 20.0)
 GUIDED = ("ux", "rotz")
@@ -36,46 +35,6 @@ GUIDED = ("ux", "rotz")
 def scene_of(force=(0.0, -40.0), held=GUIDED, spring=SPRING, seat="plate", steps=10):
     supports, spheres = Supports(held, seat=seat), Contact(geometry="spheres")
     return Scene("seated", spring, Load(force, steps=steps), supports=supports, contact=spheres)
-
-
-def forces(path, step=-1):
-    """Borders of the pieces that may touch, (borders, 3), and their forces: of the bottom, of the top."""
-    plates = path.shape.data.plates
-    x, gaps = gaps_at(plates, path.states[step])
-    f = -pressed(plates, gaps)[0]
-    low = plates.below * BORDERS
-    return x, f[:low], f[low:]
-
-
-def gaps_at(plates, state):
-    """Borders of all pieces in a state, shape (borders, 3), and their gaps, in plain numpy."""
-    nodes, a = state.reshape(-1, 7), np.repeat(plates.node, BORDERS)
-    p = plates.parts[:, POSITION, None]
-    x = (1.0 - p) * nodes[a, :3] + p * nodes[a + 1, :3]
-    x += turned(nodes[a, 3:], plates.parts[:, ARMS : ARMS + 3])
-    x += turned(nodes[a + 1, 3:], plates.parts[:, ARMS + 3 : ARMS + 6])
-    normal = turned(nodes[-1, 3:], np.array([0.0, 1.0, 0.0]))
-    bottom = np.arange(len(a)) < plates.below * BORDERS
-    return x, np.where(bottom, x[:, 1], (nodes[-1, :3] - x) @ normal) - plates.c
-
-
-def pressed(plates, gaps):
-    """Forces on the borders, and their derivatives in the gaps of all (borders, borders): by quadrature that
-    is exact over the pressed part of each piece."""
-    count = len(gaps)
-    force, slope = np.zeros(count), np.zeros((count, count))
-    for i in range(count - 1):
-        a, b = gaps[i : i + 2]
-        if i % BORDERS == BORDERS - 1 or min(a, b) >= 0.0:
-            continue
-        zero = a / (a - b) if a * b < 0.0 else 1.0
-        begin, end = (zero, 1.0) if a > 0.0 else (0.0, zero)
-        for t in (0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)):
-            s, weight = begin + t * (end - begin), 0.5 * (end - begin) * plates.stiffness
-            hats = np.array([1.0 - s, s])
-            force[i : i + 2] += weight * (hats @ [a, b]) * hats
-            slope[i : i + 2, i : i + 2] += weight * np.outer(hats, hats)
-    return force, slope
 
 
 @pytest.mark.parametrize("element", ["straight", "curved"])
@@ -108,7 +67,7 @@ def test_gradient_and_matrix_are_derivatives_of_the_energy(held, element, check_
 )
 def test_the_plates_carry_the_load_where_statics_puts_it(held, force):
     path = wirefe.solve(scene_of(force, held))
-    x, low, high = forces(path)
+    x, low, high = plate_forces(path)
     assert low.sum() == pytest.approx(-path.scene.load.force[1], rel=1e-9)
     nodes = path.states[-1].reshape(-1, 7)
     top = nodes[-1]
@@ -155,7 +114,7 @@ def test_a_small_load_meets_the_linear_complementarity_problem(element):
     assert np.abs(left[free]).max() < 1e-9
     path = wirefe.solve(scene, elements_per_turn=16, element=element)
     assert 0.1 < np.mean(force < 0.0) < 0.9
-    np.testing.assert_allclose(np.concatenate(forces(path)[1:]), -force, atol=2e-5 * 0.04)
+    np.testing.assert_allclose(np.concatenate(plate_forces(path)[1:]), -force, atol=2e-5 * 0.04)
     assert path.tips[-1, 1] == pytest.approx(u[6 * n - 5], rel=1e-4)  # the geometry's share at this load
 
 
@@ -197,7 +156,7 @@ def test_coils_that_settle_on_the_end_turns_make_it_stiffer():
     settled = path.active_contacts[1:-1] == 6
     assert path.active_contacts[0] == 2
     assert rate[1:][settled].min() > 1.15 * rate[:5].max()
-    assert forces(path)[1].sum() == pytest.approx(120.0, rel=1e-4)
+    assert plate_forces(path)[1].sum() == pytest.approx(120.0, rel=1e-4)
 
 
 def test_a_spring_turned_over_does_the_same():
@@ -208,7 +167,7 @@ def test_a_spring_turned_over_does_the_same():
     one, other = (wirefe.solve(scene_of((0.0, -60.0), spring=spring)) for spring in (cone, over))
     assert one.active_contacts[-1] == other.active_contacts[-1] > 0
     np.testing.assert_allclose(one.tips[:, 1], other.tips[:, 1], rtol=1e-4)  # the hold of the top tip yields
-    for here, there in zip(forces(one)[1:], forces(other)[:0:-1], strict=True):
+    for here, there in zip(plate_forces(one)[1:], plate_forces(other)[:0:-1], strict=True):
         np.testing.assert_allclose(here, there[::-1], atol=1e-2)
 
 

@@ -38,7 +38,7 @@ from validation.verification import requested, requestedruns
 from validation.verification.requestedpage import prepared, summary
 from wirefe import trials
 from wirefe.meshes import Levels, Trial, difference, few, thinned
-from wirefe.trials import Trials
+from wirefe.trials import Trials, refusal
 
 SHORT = replace(spring_a(), spring=replace(spring_a().spring, active_coils=4.0, active_height=7.0))
 
@@ -397,6 +397,22 @@ def test_end_turns_take_a_mesh_where_they_are_elastic(seat, multiple):
     assert Levels.of(scene, None).multiple == multiple
 
 
+def test_what_takes_too_many_elements_is_named():
+    """Coils of thirds take three, end turns of 0.777 a thousand: the coils were blamed."""
+    spring = Spring(1.5, 10.0, 16 / 3, 20.0, end_turns=0.777)
+    load, seat = Load((0.0, -120.0), 3), Supports(("ux", "rotz"), seat="plate")
+    scene = Scene("ends", spring, load, supports=seat, contact=Contact())
+    with pytest.raises(InputError, match=r"spring\.end_turns must fit .*, got 0\.777: they take 3000"):
+        wirefe.solve_to(scene, 1e-2)
+
+
+def test_too_few_meshes_are_not_said_to_do_better_than_asked():
+    """Meshes of 1000 and 2000 elements a turn alone: "at least 3.7e-06, got 0.001" was the refusal."""
+    with pytest.raises(InputError, match=r"cannot be met .* got 0\.001: .* too few meshes") as refused:
+        raise refusal(1e-3, 3.7e-6, "with 2000 elements per turn")
+    assert math.isinf(refused.value.reached)
+
+
 SECTIONS = (CoilSection(2.3333, (2.0, 2.0), (10.0, 10.0)), CoilSection(2.5, (3.0, 3.0), (10.0, 10.0)))
 
 
@@ -441,9 +457,7 @@ def test_stations_grow_where_elements_need_not():
 
 def test_elements_too_many_for_a_mesh_are_refused():
     scene = touching(geometry="spheres")
-    with pytest.raises(
-        InputError, match=r"active_coils must fit a mesh of 2000 elements .* which takes 3000"
-    ):
+    with pytest.raises(InputError, match=r"active_coils must fit a mesh of 2000 elements .*: they take 3000"):
         wirefe.solve_to(
             replace(scene, spring=replace(SHORT.spring, active_coils=4.001)), 1e-3, pairs_per_turn=3
         )

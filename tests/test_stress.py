@@ -13,12 +13,14 @@ from coilspring import Contact, EquilibriumPath, InputError, Load, Scene, Spring
 from coilspring.scene.sizing import sizes
 from validation.cli.command import main
 from validation.study.partialsolve import partial_path
+from wirefe.contact.plates import BORDERS
 from wirefe.contact.stations import ROTATION
 from wirefe.element.rotations import quaternion_from_matrix
 from wirefe.results.between import station_loads
 from wirefe.results.export import section_results
 from wirefe.results.stress import resultants, sections_of, stresses
 from wirefe.rod import frenet_frames
+from wirestates import plate_forces
 
 D, WIRE, FORCE = 20.0, 1.5, 1e-2
 FREE = Contact(enabled=False)
@@ -199,6 +201,33 @@ def test_forces_of_pairs_are_those_on_the_stations_but_for_a_share_of_friction(s
     for sign, side in zip((1.0, -1.0), path.shape.data.contact.pairs.T, strict=True):
         np.subtract.at(on_stations, side, sign * (tangential - normal))
     assert 0.0 < np.abs(on_stations).max() < 1e-3 * np.abs(tangential).max()
+
+
+@pytest.mark.parametrize(("element", "count"), [("curved", 4), ("curved", 16), ("straight", 20)])
+def test_sections_of_an_end_turn_balance_the_plate_below_them(element, count):
+    """The plate's pressure within an element acts on its nodes: with 4 a turn the shear was off by 23 %."""
+    spring, load = Spring(1.5, 10.0, 5.0, 20.0), Load((0.0, -80.0), steps=2)
+    scene = Scene("seated", spring, load, supports=Supports(("rotz",), seat="plate")).without_contact()
+    path = wirefe.solve(scene, element=element, elements_per_turn=count)
+    shape, state = path.shape, path.states[-1:]
+    plates, at, cut = shape.data.plates, shape.mesh.phases, sections_of(shape)
+    borders, up, _ = plate_forces(path)
+    borders = borders[: len(up)]
+    node = np.repeat(plates.node, BORDERS)[: len(up)]
+    place = at[node] + plates.parts[: len(up), ROTATION] * (at[node + 1] - at[node])
+    force, moment, _ = (each[0] for each in resultants(shape, state, path.histories[-1:], cut))
+    x, tip = shape.centreline(state[0], cut.phases), -force[0] * (1.0, 0.0, 1.0)
+    seen = 0
+    for row, phase in enumerate(cut.phases):
+        if phase > 0.0 or np.abs(at - phase).min() < 1e-9:
+            continue  # in the active coils, or at a node
+        share = 0.5 * sum(place < phase + side for side in (-1e-9, 1e-9))
+        below = (share * up)[:, None] * (0.0, 1.0, 0.0)
+        assert_allclose(force[row], -tip - below.sum(axis=0), atol=1e-6)
+        about = np.cross(x[0] - x[row], tip) + np.cross(borders - x[row], below).sum(axis=0)
+        assert_allclose(moment[row, [0, 2]], -about[[0, 2]], atol=1e-5)
+        seen += 1
+    assert seen > 10
 
 
 @pytest.mark.parametrize(("friction", "count"), [(None, 4), (0.2, 4), (None, 32)])

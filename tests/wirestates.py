@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from wirefe.contact.plates import BORDERS
+from wirefe.contact.stations import ARMS, POSITION
 from wirefe.contact.stations import turned_rows as turned
 from wirefe.element.beam import beams
 from wirefe.element.poses import ROW
@@ -50,3 +52,43 @@ def dense(data, H, n):
                 full[6 * rows : 6 * rows + 6, 6 * columns : 6 * columns + 6] = blocks[block]
                 full[6 * columns : 6 * columns + 6, 6 * rows : 6 * rows + 6] = blocks[block].T
     return full
+
+
+def plate_forces(path, step=-1):
+    """Borders of the pieces that may touch, (borders, 3), and their forces: of the bottom, of the top."""
+    plates = path.shape.data.plates
+    x, gaps = gaps_at(plates, path.states[step])
+    f = -pressed(plates, gaps)[0]
+    low = plates.below * BORDERS
+    return x, f[:low], f[low:]
+
+
+def gaps_at(plates, state):
+    """Borders of all pieces in a state, shape (borders, 3), and their gaps, in plain numpy."""
+    nodes, a = state.reshape(-1, 7), np.repeat(plates.node, BORDERS)
+    p = plates.parts[:, POSITION, None]
+    x = (1.0 - p) * nodes[a, :3] + p * nodes[a + 1, :3]
+    x += turned(nodes[a, 3:], plates.parts[:, ARMS : ARMS + 3])
+    x += turned(nodes[a + 1, 3:], plates.parts[:, ARMS + 3 : ARMS + 6])
+    normal = turned(nodes[-1, 3:], np.array([0.0, 1.0, 0.0]))
+    bottom = np.arange(len(a)) < plates.below * BORDERS
+    return x, np.where(bottom, x[:, 1], (nodes[-1, :3] - x) @ normal) - plates.c
+
+
+def pressed(plates, gaps):
+    """Forces on the borders, and their derivatives in the gaps of all (borders, borders): by quadrature that
+    is exact over the pressed part of each piece."""
+    count = len(gaps)
+    force, slope = np.zeros(count), np.zeros((count, count))
+    for i in range(count - 1):
+        a, b = gaps[i : i + 2]
+        if i % BORDERS == BORDERS - 1 or min(a, b) >= 0.0:
+            continue
+        zero = a / (a - b) if a * b < 0.0 else 1.0
+        begin, end = (zero, 1.0) if a > 0.0 else (0.0, zero)
+        for t in (0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)):
+            s, weight = begin + t * (end - begin), 0.5 * (end - begin) * plates.stiffness
+            hats = np.array([1.0 - s, s])
+            force[i : i + 2] += weight * (hats @ [a, b]) * hats
+            slope[i : i + 2, i : i + 2] += weight * np.outer(hats, hats)
+    return force, slope

@@ -59,11 +59,13 @@ class Levels:
                 f"pairs_per_turn goes with accuracy for contact of spheres alone, got {pairs_per_turn!r} "
                 "with geometry wires"
             )
-        multiple = math.lcm(*(_fraction(*end) for end in _ends(scene)), spheres or 1)
+        fractions = {name: _fraction(name, turns) for name, turns in _ends(scene)}
+        multiple = math.lcm(*fractions.values(), spheres or 1)
         if multiple > MOST_ELEMENTS:
+            name = max(fractions, key=fractions.__getitem__)
             raise InputError(
-                f"spring.active_coils must fit a mesh of {MOST_ELEMENTS} elements per turn for accuracy, "
-                f"as must all sections, got {scene.spring.active_coils!r}, which takes {multiple}"
+                f"{name} must fit a mesh of {MOST_ELEMENTS} elements per turn for accuracy, together with "
+                f"all other ends of the wire, got {dict(_ends(scene))[name]:.12g}: they take {multiple}"
             )
         return cls(scene, multiple, spheres)
 

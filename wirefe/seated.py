@@ -2,7 +2,7 @@
 
 from coilspring.compiling.compiled import kernel, shaped
 from wirefe import kernels
-from wirefe.contact.pressing import press
+from wirefe.contact.pressing import fill_loads, press
 from wirefe.model import view_elements, view_held, view_plates
 
 
@@ -14,6 +14,14 @@ def assemble(reals, ints, accepted, least_gap, history, state, g, H):
     energy += press(plates, view_elements(reals, ints), state, g, blocks)
     kernels.hold(view_held(ints), g, blocks)
     return energy, pairs + plates.node.size
+
+
+@kernel
+def plate_loads(reals, ints, states, loads):
+    """Fill forces and moments of the plates on both nodes of each border, (states, borders, 12), N, N mm."""
+    plates = view_plates(reals, ints)
+    for n in range(len(states)):
+        fill_loads(plates, states[n], loads[n])
 
 
 @kernel

@@ -233,6 +233,8 @@ def told_by_stations(coarse: Trial, fine: Trial) -> bool:
 
 def refusal(asked: float, reached: float, why: str, about: str = "") -> NotReached:
     """What cannot be reached, and what can, or what is predicted to."""
+    if reached <= asked:  # as far as the paths tell: but these are too few
+        reached = math.inf
     rounded = float(f"{1.05 * reached:.1e}") if math.isfinite(reached) else math.inf
     if rounded <= ACCURACIES[1]:
         said = f"accuracy must be at least {about}{rounded:g} for this scene, got {asked:g}: {why}"

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, inlined
+from coilspring.compiling.compiled import arithmetic, clear_table, inlined
 from wirefe.contact.plates import BORDERS, PIECES
 from wirefe.contact.stations import ARMS, POSITION
 from wirefe.element.algebra import cross, dot, lever, mixed, plus, product, put, scaled, skew
@@ -62,29 +62,67 @@ class Pressure(NamedTuple):
 @inlined
 def press(plates, chain, state, g, H):
     """Potential of the plates, and of what holds the tip along the top one; adds its gradient and Hessian."""
-    energy, top, last = 0.0, state.size // ROW - 1, plates.node.size - 1
-    X, q = three(state, ROW * top), four(state, ROW * top + 3)
-    row = np.empty((4, BORDERS))
-    pressure = Pressure(row[0], row[1], row[2], row[3], np.empty((BORDERS, SIZE)))
+    energy, last, pressure = 0.0, plates.node.size - 1, _no_pressure()
     for m in range(plates.node.size):
-        plane = Plane((0.0, -1.0, 0.0), (0.0, 0.0, 0.0), -1)
-        if m >= plates.below:
-            plane = Plane(turned(q, (0.0, 1.0, 0.0)), X, top)
-        least = 0.0
-        for i in range(BORDERS):
-            pressure.gap[i] = dot(plane.n, _lever(plates, state, m, i, plane).w) - plates.c[BORDERS * m + i]
-            least = min(least, pressure.gap[i])
-        if least < 0.0:
+        plane = _plate(plates, state, m)
+        if _fill_gaps(plates, state, m, plane, pressure) < 0.0:
             energy += _push(plates.stiffness, pressure)
             _add(plates, chain, state, m, plane, pressure, g, H)
     for axis in ALONG:
-        plane = Plane(turned(q, (1.0 - 0.5 * axis, 0.0, 0.5 * axis)), X, top)
+        plane = _moving(state, (1.0 - 0.5 * axis, 0.0, 0.5 * axis))
         gap = dot(plane.n, _lever(plates, state, last, PIECES, plane).w) - plates.tip[axis]
         _clear(pressure)
         pressure.force[PIECES], pressure.own[PIECES] = plates.hold * gap, plates.hold
         energy += 0.5 * plates.hold * gap * gap
         _add(plates, chain, state, last, plane, pressure, g, H)
     return energy
+
+
+@inlined
+def fill_loads(plates, state, loads):
+    """Fill forces and moments of the plates on both nodes of each border, (borders, 12)."""
+    clear_table(loads)
+    pressure = _no_pressure()
+    for m in range(plates.node.size):
+        plane = _plate(plates, state, m)
+        if _fill_gaps(plates, state, m, plane, pressure) < 0.0:
+            _push(plates.stiffness, pressure)
+            for i in range(BORDERS):
+                _put_gradient(_lever(plates, state, m, i, plane), pressure.L[i])
+                for j in range(12):
+                    loads[BORDERS * m + i, j] = -pressure.force[i] * pressure.L[i, j]
+
+
+@arithmetic
+def _no_pressure():
+    """Room for the pressure on an element."""
+    row = np.empty((4, BORDERS))
+    return Pressure(row[0], row[1], row[2], row[3], np.empty((BORDERS, SIZE)))
+
+
+@arithmetic
+def _moving(state, axis):
+    """The plane across an axis of the top end."""
+    top = state.size // ROW - 1
+    return Plane(turned(four(state, ROW * top + 3), axis), three(state, ROW * top), top)
+
+
+@arithmetic
+def _plate(plates, state, m):
+    """The plate against which the element m is pressed."""
+    if m < plates.below:
+        return Plane((0.0, -1.0, 0.0), (0.0, 0.0, 0.0), -1)
+    return _moving(state, (0.0, 1.0, 0.0))
+
+
+@arithmetic
+def _fill_gaps(plates, state, m, plane, pressure):
+    """Fill the gaps of the element m; returns the least one, 0 at most."""
+    least = 0.0
+    for i in range(BORDERS):
+        pressure.gap[i] = dot(plane.n, _lever(plates, state, m, i, plane).w) - plates.c[BORDERS * m + i]
+        least = min(least, pressure.gap[i])
+    return least
 
 
 @arithmetic

@@ -1,18 +1,30 @@
 """What contact between the nodes does to section forces.
 
-A station within an element gives its force to both nodes. The element has the same force all along it, so
-what acts on the wire between the station and a node is found from these shares: below a station the first
+A point of contact within an element gives its force to both nodes. The element has the same force all along
+it, so what acts on the wire between the point and a node is found from these shares: below a point the first
 node's is added, above it the second node's is taken away.
 """
+
+from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from coilspring.compiling.packing import pack
-from wirefe import kernels
+from wirefe import kernels, seated
 from wirefe.contact.stations import ROTATION, SAME, rows
 from wirefe.element.rotations import cross_rows
 from wirefe.mesh import WireMesh
 from wirefe.model import HeldArrays, WireModel
+
+
+class Between(NamedTuple):
+    """What acts at points between the nodes of elements."""
+
+    node: np.ndarray  # (points,) lower one of each
+    place: np.ndarray  # (points,) phase
+    loads: np.ndarray  # (states, points, 2, 6) forces and moments on both nodes, N, N mm
 
 
 def station_loads(model: WireModel, states: np.ndarray, histories: np.ndarray) -> np.ndarray:
@@ -38,28 +50,41 @@ def station_loads(model: WireModel, states: np.ndarray, histories: np.ndarray) -
     return -out.reshape(len(states), len(first), 2, 6)
 
 
-def contact_between(
-    model: WireModel,
-    mesh: WireMesh,
-    states: np.ndarray,
-    histories: np.ndarray,
-    element: np.ndarray,
-    phases: np.ndarray,
-) -> np.ndarray:
-    """What contact within elements adds to forces and to moments about the origin, (states, sections, 6), at
-    sections given by their elements and phases."""
+def at_stations(
+    model: WireModel, mesh: WireMesh, states: np.ndarray, histories: np.ndarray, touch: np.ndarray
+) -> Between:
+    """What coils do to each other at stations within elements, in those states in which they touch."""
     contact, at = model.contact, mesh.phases
     within = np.flatnonzero(contact.parts[:, ROTATION])
     node, share = contact.attached[within], contact.parts[within, ROTATION]
+    loads = np.zeros((len(states), len(within), 2, 6))
+    loads[touch] = station_loads(model, states[touch], histories[touch])[:, within]
+    return Between(node, at[node] + share * (at[node + 1] - at[node]), loads)
+
+
+def at_plates(model: WireModel, mesh: WireMesh, states: np.ndarray) -> Between:
+    """What plates do to the end turns at the borders of pieces."""
+    plates, at = model.plates, mesh.phases
+    each = len(plates.c) // len(plates.node)
+    node, share = np.repeat(plates.node, each), plates.parts[:, ROTATION]
+    loads = np.empty((len(states), len(node), 12))
+    seated.plate_loads(*pack(model), np.ascontiguousarray(states), loads)
     place = at[node] + share * (at[node + 1] - at[node])
-    order = np.argsort(place)
-    node, place, within = node[order], place[order], within[order]
-    loads = station_loads(model, states, histories)[:, within]
+    return Between(node, place, loads.reshape(len(states), len(node), 2, 6))
+
+
+def beyond_sections(
+    acting: Between, mesh: WireMesh, states: np.ndarray, element: np.ndarray, phases: np.ndarray
+) -> np.ndarray:
+    """What acts within elements adds to forces and to moments about the origin, (states, sections, 6), at
+    sections given by their elements and phases."""
+    order = np.lexsort((acting.place, acting.node))
+    node, place, loads = acting.node[order], acting.place[order], acting.loads[:, order]
     ends = np.stack((node, node + 1), axis=1)
     loads[..., 3:] += cross_rows(rows(states)[:, ends, :3], loads[..., :3])
     both, second = (_sums(each) for each in (loads.sum(axis=2), loads[:, :, 1]))
     low, high = (np.searchsorted(node, element, side) for side in ("left", "right"))
-    near = SAME * (at[1] - at[0])  # at a station itself the mean of both sides is taken
+    near = SAME * (mesh.phases[1] - mesh.phases[0])  # at a point itself the mean of both sides is taken
     here, beyond = (np.clip(np.searchsorted(place, phases + side), low, high) for side in (-near, near))
     below = 0.5 * (both[:, here] + both[:, beyond])
     return both[:, high] - below - (second[:, high] - second[:, low])

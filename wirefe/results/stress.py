@@ -1,13 +1,14 @@
 """Stresses along the wire at equilibria of the wire model, nominal and with the curvature's factors.
 
 The force in an element is the same all along it, and the moment at a point x of it is that at its end x2 plus
-(x2 - x) x force; contact between the nodes adds to them (`wirefe.results.between`). So section forces balance
-what acts on the wire between nodes too, however few there are.
+(x2 - x) x force; contact between the nodes, of coils and of plates, adds to them (`wirefe.results.between`).
+So section forces balance what acts on the wire between nodes too, however few there are.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -24,7 +25,7 @@ from wirefe.element.beam import end_forces
 from wirefe.element.rotations import cross_rows
 from wirefe.mesh import WireMesh
 from wirefe.model import WireModel
-from wirefe.results.between import contact_between
+from wirefe.results.between import Between, at_plates, at_stations, beyond_sections
 
 PER_TURN = 32  # sections of a turn, at least: what varies once a turn is 0.5 % larger between them at most
 INSIDE = 2.0 * BESIDE  # rad: so far inside an element is what belongs to its end
@@ -210,14 +211,22 @@ def resultants(
     above[:, -1] += turned_rows(nodes[:, -1, 3:], data.arm)
     force = ends[:, element, 6:9]
     moment = ends[:, element, 9:12] + cross_rows(above[:, element] - x, force)
+    for acting in _between(wire, states, histories):
+        more = beyond_sections(acting, wire.mesh, states, cut.element, cut.phases)
+        force += more[..., :3]
+        moment += more[..., 3:] - cross_rows(x, more[..., :3])
+    return force, moment, t / np.linalg.norm(t, axis=-1, keepdims=True)
+
+
+def _between(wire: Wire, states: np.ndarray, histories: np.ndarray | None) -> Iterator[Between]:
+    """What acts on the wire between its nodes."""
     if of_wires(wire.data.contact.parts):
         own = wire.histories(histories, states)
-        touch = (own["closed"] | (wire.pair_gaps(states) < 0.0)).any(axis=1)
+        touch: np.ndarray = (own["closed"] | (wire.pair_gaps(states) < 0.0)).any(axis=1)
         if touch.any():
-            more = contact_between(wire.data, wire.mesh, states[touch], own[touch], cut.element, cut.phases)
-            force[touch] += more[..., :3]
-            moment[touch] += more[..., 3:] - cross_rows(x[touch], more[..., :3])
-    return force, moment, t / np.linalg.norm(t, axis=-1, keepdims=True)
+            yield at_stations(wire.data, wire.mesh, states, own, touch)
+    if len(wire.data.plates.node):
+        yield at_plates(wire.data, wire.mesh, states)
 
 
 def axes(states: np.ndarray, cut: Sections, t: np.ndarray) -> np.ndarray:
