@@ -222,7 +222,7 @@ def _between(wire: Wire, states: np.ndarray, histories: np.ndarray | None) -> It
     """What acts on the wire between its nodes."""
     if of_wires(wire.data.contact.parts):
         own = wire.histories(histories, states)
-        touch: np.ndarray = (own["closed"] | (wire.pair_gaps(states) < 0.0)).any(axis=1)
+        touch = np.asarray((own["closed"] | (wire.pair_gaps(states) < 0.0)).any(axis=1))
         if touch.any():
             yield at_stations(wire.data, wire.mesh, states, own, touch)
     if len(wire.data.plates.node):
