@@ -362,7 +362,7 @@ def peer(monkeypatch):
     peer = SimpleNamespace(run=run, tolerance=lambda scene: 2e-9, TOLERANCE=1e-10, factor=1.001, calls=calls)
     monkeypatch.setattr(timing, "opensees", lambda: peer)
     monkeypatch.setattr(timing, "versions", lambda name: {name: "3.7"})
-    monkeypatch.setattr(timing, "LADDER", (5, 50))
+    monkeypatch.setattr(timing, "COUNTS", (5, 50))
     monkeypatch.setattr(timing, "ROUNDS", 1)
     return peer
 
