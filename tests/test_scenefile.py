@@ -23,6 +23,7 @@ from coilspring import (
 from coilspring.scene.scene import SECTIONS
 from coilspring.scene.schema import keys_of, required
 from coilspring.scene.toml import scene_from_text
+from coilspring.scene.toml import scene_text as toml_text
 from validation.cli import main
 
 SPRING_B = {
@@ -544,6 +545,47 @@ def test_outer_or_inner_diameter_takes_the_place_of_the_mean_one(name, wires):
     assert scene_from_text(text).spring == spring_b().spring
     one = Spring.of_diameter(1.5, **{name: 12.0 + wires * 1.5}, active_coils=7.5, active_height=28.6)
     assert one.mean_diameter == (12.0, 12.0)
+
+
+BARREL = """
+[spring]
+wire_diameter = 1.5
+[[spring.sections]]
+coils = 2.0
+pitch = [2.0, 4.0]
+outer_diameter = [9.5, 13.5]
+[[spring.sections]]
+coils = 2.5
+pitch = 4.0
+{}
+[load]
+force = [0.0, -20.0]
+"""
+
+
+def test_sections_take_outer_or_inner_diameters_too():
+    for given in ("inner_diameter = [10.5, 6.5]", "mean_diameter = [12.0, 8.0]"):
+        spring = scene_from_text(BARREL.format(given)).spring
+        assert [each.mean_diameter for each in spring.sections] == [(8.0, 12.0), (12.0, 8.0)]
+        assert scene_from_text(toml_text(replace(spring_b(), spring=spring))).spring == spring
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (
+            "inner_diameter = 1.0",
+            r"spring\.sections\[1\]\.inner_diameter must be a finite number in \[1\.5, ",
+        ),
+        ("inner_diameter = 9.0\nouter_diameter = 9.0", "takes one of mean_diameter, outer_diameter, inner"),
+        ("", r"spring\.sections\[1\]\.mean_diameter is missing"),
+        ("od = 9.0", "did you mean mean_diameter, or outer_diameter in its place"),
+        ("inner_diameter = 9.0", r"sections\[1\]\.mean_diameter must begin with 12\.0"),
+    ],
+)
+def test_bad_diameters_of_sections(given, words):
+    with pytest.raises(InputError, match=words):
+        scene_from_text(BARREL.format(given))
 
 
 @pytest.mark.parametrize(

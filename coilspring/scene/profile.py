@@ -1,7 +1,7 @@
 """Coils of a spring from bottom to top: radius and height as piecewise functions of the phase."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
@@ -36,6 +36,14 @@ class CoilSection:
     coils: float
     pitch: tuple[float, float]
     mean_diameter: tuple[float, float]
+
+    @classmethod
+    def from_keys(cls, keys: Mapping[str, Any], wire_diameter: float, field: str) -> Self:
+        """The section of a table of a scene file; `field` is its name in messages."""
+        others = {name: keys.get(name) for name in OTHER_DIAMETERS}
+        if not keys.keys() & others.keys():
+            return cls(**keys)
+        return cls(keys["coils"], keys["pitch"], mean_of(wire_diameter, field, **others))
 
     @property
     def height(self) -> float:
@@ -105,14 +113,14 @@ def both_ends(field: str, value: object, least: float) -> tuple[float, float]:
     return bottom, top
 
 
-def mean_of(wire_diameter: float, **given: object) -> tuple[float, float]:
+def mean_of(wire_diameter: float, field: str, **given: object) -> tuple[float, float]:
     """Mean coil diameters of outer or inner ones, of which one is not None, mm; see `OTHER_DIAMETERS`."""
     names = [name for name, value in given.items() if value is not None]
     if len(names) != 1:
         found = " and ".join(names) or "none"
-        raise InputError(f"spring must have one of {' and '.join(OTHER_DIAMETERS)}, got {found}")
+        raise InputError(f"{field} must have one of {' and '.join(OTHER_DIAMETERS)}, got {found}")
     wires = OTHER_DIAMETERS[names[0]]
-    low, high = both_ends(f"spring.{names[0]}", given[names[0]], (2.0 - wires) * wire_diameter)  # index 2
+    low, high = both_ends(f"{field}.{names[0]}", given[names[0]], (2.0 - wires) * wire_diameter)  # index 2
     return low + wires * wire_diameter, high + wires * wire_diameter
 
 

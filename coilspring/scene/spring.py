@@ -78,9 +78,12 @@ class Spring:
 
     @classmethod
     def from_keys(cls, keys: Mapping[str, Any]) -> Self:
-        """Spring of the keys of a scene file: of one kind of coils, or of sections."""
+        """Spring of the keys of a scene file: of one kind of coils, or of tables for its sections."""
         if "sections" in keys:
-            return cls.of_sections(**keys)
+            d = WIRE("spring.wire_diameter", keys["wire_diameter"])
+            tables = enumerate(keys["sections"])
+            sections = [CoilSection.from_keys(table, d, f"spring.sections[{n}]") for n, table in tables]
+            return cls.of_sections(**{**keys, "sections": sections})
         return cls.of_diameter(**keys) if keys.keys() & OTHER_DIAMETERS.keys() else cls(**keys)
 
     @classmethod
@@ -107,7 +110,8 @@ class Spring:
                 f"spring must have one of mean_diameter, outer_diameter and inner_diameter, got {found}"
             )
         d = WIRE("spring.wire_diameter", wire_diameter)
-        return cls(d, mean_of(d, outer_diameter=outer_diameter, inner_diameter=inner_diameter), **others)
+        mean = mean_of(d, "spring", outer_diameter=outer_diameter, inner_diameter=inner_diameter)
+        return cls(d, mean, **others)
 
     @classmethod
     def of_sections(cls, wire_diameter: float, sections: Sequence[CoilSection], **others: Any) -> Self:

@@ -140,18 +140,16 @@ def _record(name: str, record: type, table: Mapping[str, object]) -> Any:
     return record.from_keys(values) if hasattr(record, "from_keys") else record(**values)
 
 
-def _tables(name: str, record: type, tables: object) -> list:
-    """The dataclasses of an array of tables."""
+def _tables(name: str, record: type, tables: object) -> list[dict[str, Any]]:
+    """The tables of an array, with those refused that cannot be: the dataclass they are in reads them."""
     if not isinstance(tables, list):
         raise InputError(f"{name} must be tables [[{name}]], got {shown(tables)}")
-    records = []
     for number, table in enumerate(tables):
         item = f"{name}[{number}]"
         if not isinstance(table, dict):
             raise InputError(f"{item} must be a table with {', '.join(keys_of(record))}, got {shown(table)}")
         _refuse_keys(item, f"{item} of [[{name}]]", record, table)
-        records.append(_record(item, record, table))
-    return records
+    return tables
 
 
 def _refuse_keys(name: str, where: str, record: type, table: Mapping[str, object]) -> None:
