@@ -92,7 +92,7 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
             f"{circles[0]} and {circles[1]} times"
         )
     times, here, there = np.intersect1d(path.times, reference.times, return_indices=True)
-    curve = compare_curves(Curve.of(path), Curve.of(reference), moving(reference))
+    curve = compare_curves(Curve.of(path), reference)
     if times.size == 0:
         return curve
     vectors = path.circle_centres(here[-1]) - reference.circle_centres(there[-1])
@@ -100,28 +100,21 @@ def compare_paths(path: EquilibriumPath, reference: EquilibriumPath) -> Comparis
     return replace(curve, shape_max=float(distance.max()), shape_rms=float(np.sqrt(np.mean(distance**2))))
 
 
-def moving(path: EquilibriumPath) -> np.ndarray:
-    """In which of `COMPONENTS` the top of a path moves, but for what symmetry would leave at zero.
-
-    Motions are in mm, of ROTZ that of a coil's radius.
-    """
-    return moved(path.tips * (1.0, 1.0, 0.5 * middle_diameter(path.scene.spring)), SYMMETRIC)
-
-
-def compare_curves(curve: Curve, reference: Curve, moves: np.ndarray | None = None) -> Comparison:
-    """Compare load curves alone at the times of both; the shape is not a number.
+def compare_curves(curve: Curve, path: EquilibriumPath) -> Comparison:
+    """Compare a load curve with that of a path at the times of both; the shape is not a number.
 
     Parameters
     ----------
     curve : what is compared.
-    reference : whose peaks, of all its times, the curve errors are divided by.
-    moves : (components,) whether each is compared; unless given, where the reference's answer is not zero.
+    path : the reference, by whose peaks, of all its times, the curve errors are divided. Motions are compared
+        in mm, of ROTZ that of a coil's radius; what symmetry would leave at zero is left out.
     """
+    reference = Curve.of(path)
     # equal fractions of time are equal numbers, whatever the two numbers of steps
     common, mine, theirs = np.intersect1d(curve.times, reference.times, return_indices=True)
     if common.size == 0:
         return Comparison(NAN, NAN, NAN, NAN, {}, {}, 0, 0.0)
-    moves = moved(reference.answers) if moves is None else moves
+    moves = moved(path.tips * (1.0, 1.0, 0.5 * middle_diameter(path.scene.spring)), SYMMETRIC)
     names = np.array(COMPONENTS)[moves].tolist()
     peaks = np.abs(reference.answers[:, moves]).max(axis=0, initial=0.0)
     relative = (curve.answers[mine] - reference.answers[theirs])[:, moves] / peaks

@@ -133,9 +133,8 @@ def test_curved_elements_converge_to_what_fine_straight_ones_do():
         found = wirefe.solve(scene, element=element, elements_per_turn=count).tips[:, 1]
         return np.abs(found - exact).max() / np.abs(exact).max()
 
-    straight, curved = (error("straight", count) for count in (40, 160)), (4, 8, 16)
-    coarse, fine = straight
-    errors = [error("curved", count) for count in curved]
+    coarse, fine = (error("straight", count) for count in (40, 160))
+    errors = [error("curved", count) for count in (4, 8, 16)]
     assert fine < 0.15 * coarse
     assert errors[0] < 0.25 * coarse
     assert errors[2] < 0.25 * errors[0]

@@ -547,27 +547,14 @@ def test_outer_or_inner_diameter_takes_the_place_of_the_mean_one(name, wires):
     assert one.mean_diameter == (12.0, 12.0)
 
 
-BARREL = """
-[spring]
-wire_diameter = 1.5
-[[spring.sections]]
-coils = 2.0
-pitch = [2.0, 4.0]
-outer_diameter = [9.5, 13.5]
-[[spring.sections]]
-coils = 2.5
-pitch = 4.0
-{}
-[load]
-force = [0.0, -20.0]
-"""
-
-
 def test_sections_take_outer_or_inner_diameters_too():
-    for given in ("inner_diameter = [10.5, 6.5]", "mean_diameter = [12.0, 8.0]"):
-        spring = scene_from_text(BARREL.format(given)).spring
-        assert [each.mean_diameter for each in spring.sections] == [(8.0, 12.0), (12.0, 8.0)]
-        assert scene_from_text(toml_text(replace(spring_b(), spring=spring))).spring == spring
+    spring = scene_from_text(sections_text()).spring
+    outer = "mean_diameter = [8, 10.0]", "outer_diameter = [9.5, 11.5]"
+    for given in ((outer,), (outer, ("mean_diameter = 10\n", "inner_diameter = 8.5\n"))):
+        other = scene_from_text(sections_text(*given)).spring
+        assert other == spring
+        assert [each.mean_diameter for each in other.sections] == [(8.0, 10.0), (10.0, 10.0)]
+        assert scene_from_text(toml_text(replace(spring_b(), spring=other))).spring == other
 
 
 @pytest.mark.parametrize(
@@ -580,12 +567,12 @@ def test_sections_take_outer_or_inner_diameters_too():
         ("inner_diameter = 9.0\nouter_diameter = 9.0", "takes one of mean_diameter, outer_diameter, inner"),
         ("", r"spring\.sections\[1\]\.mean_diameter is missing"),
         ("od = 9.0", "did you mean mean_diameter, or outer_diameter in its place"),
-        ("inner_diameter = 9.0", r"sections\[1\]\.mean_diameter must begin with 12\.0"),
+        ("inner_diameter = 9.0", r"sections\[1\]\.mean_diameter must begin with 10\.0"),
     ],
 )
 def test_bad_diameters_of_sections(given, words):
     with pytest.raises(InputError, match=words):
-        scene_from_text(BARREL.format(given))
+        scene_from_text(sections_text(("mean_diameter = 10\n", given + "\n")))
 
 
 @pytest.mark.parametrize(

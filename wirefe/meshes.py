@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from coilspring.curves import Curve, compare_curves, moving
+from coilspring.curves import Curve, compare_curves
 from coilspring.errors import InputError
 from coilspring.path import EquilibriumPath, shape_of
 from coilspring.scene import Scene
@@ -59,13 +59,14 @@ class Levels:
                 f"pairs_per_turn goes with accuracy for contact of spheres alone, got {pairs_per_turn!r} "
                 "with geometry wires"
             )
-        fractions = {name: _fraction(name, turns) for name, turns in _ends(scene)}
+        ends = dict(_ends(scene))
+        fractions = {name: _fraction(name, turns) for name, turns in ends.items()}
         multiple = math.lcm(*fractions.values(), spheres or 1)
         if multiple > MOST_ELEMENTS:
             name = max(fractions, key=fractions.__getitem__)
             raise InputError(
                 f"{name} must fit a mesh of {MOST_ELEMENTS} elements per turn for accuracy, together with "
-                f"all other ends of the wire, got {dict(_ends(scene))[name]:.12g}: they take {multiple}"
+                f"all other ends of the wire, got {ends[name]:.12g}: they take {multiple}"
             )
         return cls(scene, multiple, spheres)
 
@@ -170,7 +171,7 @@ def difference(coarse: EquilibriumPath, fine: EquilibriumPath) -> float:
     """Of two load curves, and of the times at which they end early; infinite where they end otherwise."""
     if coarse.outcome != fine.outcome:
         return math.inf
-    found = compare_curves(Curve.of(coarse), Curve.of(fine), moving(fine))
+    found = compare_curves(Curve.of(coarse), fine)
     curve = found.curve_max if found.steps else 0.0
     if coarse.end_bracket is None or fine.end_bracket is None:
         return curve

@@ -38,7 +38,7 @@ class PeerComparison:
     @property
     def difference(self) -> float:
         """Largest over steps and answered components, over the component's peak in the wire model."""
-        return compare_curves(self.peer.curve, Curve.of(self.wire)).curve_max
+        return compare_curves(self.peer.curve, self.wire).curve_max
 
     @property
     def early(self) -> list[str]:

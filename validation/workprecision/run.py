@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from coilspring import EquilibriumNotFound, EquilibriumPath, InputError, Scene
-from coilspring.curves import Curve, compare_curves, compare_paths, over_peak
+from coilspring.curves import compare_curves, compare_paths, over_peak
 from coilspring.errors import require_names
 from validation.peers.comparison import opensees
 from validation.study.cases import EXACT_ROD, study_scenes
@@ -188,7 +188,7 @@ def _peer_rows(
             beside = partial_path(solve_wire, scene).solve_seconds
             run = peer.run(scene, steps, peer.tolerance(scene), elements_per_turn=mesh)
             ratios.append(run.seconds / beside)
-        error = compare_curves(run.curve, Curve.of(reference))
+        error = compare_curves(run.curve, reference)
         whole = len(run.tips) == scene.with_steps(steps).load.rows
         known = {"outcome": "completed" if whole else "not_converged", "iterations": run.iterations}
         rows.append(row("opensees", scene, setting, error, **known, **_times(np.array(ratios), paper)))

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear_table, inlined
+from wirefe.chain import add_block, add_gradient, add_nodes
 from wirefe.contact.plates import BORDERS, PIECES
 from wirefe.contact.stations import ARMS, POSITION
 from wirefe.element.algebra import cross, dot, lever, mixed, plus, product, put, scaled, skew
@@ -184,17 +185,21 @@ def _add(plates, chain, state, m, plane, pressure, g, H):
             _put_gradient(at, pressure.L[i])
             one, p, w = one + f, p + f * at.p, plus(w, f, at.w)
             ra, rb = plus(ra, f, at.ra), plus(rb, f, at.rb)
-    total, G = Lever(plane.n, one, p, ra, rb, w), np.empty(SIZE)
-    nodes = (plates.node[m], plates.node[m] + 1, plane.top)
+    total, G, a = Lever(plane.n, one, p, ra, rb, w), np.empty(SIZE), plates.node[m]
     _put_gradient(total, G)
-    for i in range(SIZE):
-        if nodes[i // 6] >= 0:
-            g[6 * nodes[i // 6] + i % 6] += G[i]
-    if len(H) > 0:
-        K = np.zeros((SIZE, SIZE))
-        _put_levers(total, K)
-        _add_products(pressure, K, SIZE if plane.top >= 0 else 12)
-        _scatter(plates, chain, m, nodes, K, H)
+    add_gradient(g, a, a + 1, G)
+    if plane.top >= 0:
+        for i in range(6):
+            g[6 * plane.top + i] += G[12 + i]
+    if len(H) == 0:
+        return
+    K = np.zeros((SIZE, SIZE))
+    _put_levers(total, K)
+    _add_products(pressure, K, SIZE if plane.top >= 0 else 12)
+    add_nodes(H, a, a + 1, K)
+    add_block(H, chain.block[a], chain.flip[a], K)
+    if plane.top >= 0:
+        _add_top(plates, m, plane.top, K, H)
 
 
 @arithmetic
@@ -240,25 +245,11 @@ def _add_products(pressure, K, size):
 
 
 @arithmetic
-def _scatter(plates, chain, m, nodes, K, H):
-    """Add K (18, 18) of the element m to the blocks of its nodes and of the top end where that moves."""
-    a, b, top = nodes
-    _add_block(H[a], K, 0, 0, True)
-    _add_block(H[b], K, 1, 1, True)
-    _add_block(H[chain.block[a]], K, 0, 1, chain.flip[a])
-    if top >= 0:
-        _add_block(H[top], K, 2, 2, True)
-        for s in range(2):
-            at = 2 * (m - plates.below) + s
-            _add_block(H[plates.block[at]], K, s, 2, plates.flip[at])
-
-
-@arithmetic
-def _add_block(B, K, s, t, first):
-    """Add the block (s, t) of K to B, whose rows are those of the first node or else of the second."""
+def _add_top(plates, m, top, K, H):
+    """Add what K (18, 18) of the element m has of the top end: its own block, and those with both nodes."""
     for i in range(6):
         for j in range(6):
-            if first:
-                B[i, j] += K[6 * s + i, 6 * t + j]
-            else:
-                B[j, i] += K[6 * s + i, 6 * t + j]
+            H[top, i, j] += K[12 + i, 12 + j]
+            for s in range(2):
+                at = 2 * (m - plates.below) + s
+                H[plates.block[at], i, j] += K[6 * s + i, 12 + j] if plates.flip[at] else K[12 + i, 6 * s + j]

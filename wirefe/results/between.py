@@ -13,6 +13,7 @@ import numpy as np
 
 from coilspring.compiling.packing import pack
 from wirefe import kernels, seated
+from wirefe.contact.plates import BORDERS
 from wirefe.contact.stations import ROTATION, SAME, rows
 from wirefe.element.rotations import cross_rows
 from wirefe.mesh import WireMesh
@@ -23,7 +24,7 @@ class Between(NamedTuple):
     """What acts at points between the nodes of elements."""
 
     node: np.ndarray  # (points,) lower one of each
-    place: np.ndarray  # (points,) phase
+    share: np.ndarray  # (points,) of the element from there
     loads: np.ndarray  # (states, points, 2, 6) forces and moments on both nodes, N, N mm
 
 
@@ -50,27 +51,20 @@ def station_loads(model: WireModel, states: np.ndarray, histories: np.ndarray) -
     return -out.reshape(len(states), len(first), 2, 6)
 
 
-def at_stations(
-    model: WireModel, mesh: WireMesh, states: np.ndarray, histories: np.ndarray, touch: np.ndarray
-) -> Between:
-    """What coils do to each other at stations within elements, in those states in which they touch."""
-    contact, at = model.contact, mesh.phases
+def at_stations(model: WireModel, states: np.ndarray, histories: np.ndarray) -> Between:
+    """What coils do to each other at stations within elements."""
+    contact = model.contact
     within = np.flatnonzero(contact.parts[:, ROTATION])
-    node, share = contact.attached[within], contact.parts[within, ROTATION]
-    loads = np.zeros((len(states), len(within), 2, 6))
-    loads[touch] = station_loads(model, states[touch], histories[touch])[:, within]
-    return Between(node, at[node] + share * (at[node + 1] - at[node]), loads)
+    loads = station_loads(model, states, histories)[:, within]
+    return Between(contact.attached[within], contact.parts[within, ROTATION], loads)
 
 
-def at_plates(model: WireModel, mesh: WireMesh, states: np.ndarray) -> Between:
+def at_plates(model: WireModel, states: np.ndarray) -> Between:
     """What plates do to the end turns at the borders of pieces."""
-    plates, at = model.plates, mesh.phases
-    each = len(plates.c) // len(plates.node)
-    node, share = np.repeat(plates.node, each), plates.parts[:, ROTATION]
+    node = np.repeat(model.plates.node, BORDERS)
     loads = np.empty((len(states), len(node), 12))
     seated.plate_loads(*pack(model), np.ascontiguousarray(states), loads)
-    place = at[node] + share * (at[node + 1] - at[node])
-    return Between(node, place, loads.reshape(len(states), len(node), 2, 6))
+    return Between(node, model.plates.parts[:, ROTATION], loads.reshape(len(states), len(node), 2, 6))
 
 
 def beyond_sections(
@@ -78,13 +72,14 @@ def beyond_sections(
 ) -> np.ndarray:
     """What acts within elements adds to forces and to moments about the origin, (states, sections, 6), at
     sections given by their elements and phases."""
-    order = np.lexsort((acting.place, acting.node))
-    node, place, loads = acting.node[order], acting.place[order], acting.loads[:, order]
+    order, at = np.lexsort((acting.share, acting.node)), mesh.phases
+    node, share, loads = acting.node[order], acting.share[order], acting.loads[:, order]
+    place = at[node] + share * (at[node + 1] - at[node])
     ends = np.stack((node, node + 1), axis=1)
     loads[..., 3:] += cross_rows(rows(states)[:, ends, :3], loads[..., :3])
     both, second = (_sums(each) for each in (loads.sum(axis=2), loads[:, :, 1]))
     low, high = (np.searchsorted(node, element, side) for side in ("left", "right"))
-    near = SAME * (mesh.phases[1] - mesh.phases[0])  # at a point itself the mean of both sides is taken
+    near = SAME * (at[1] - at[0])  # at a point itself the mean of both sides is taken
     here, beyond = (np.clip(np.searchsorted(place, phases + side), low, high) for side in (-near, near))
     below = 0.5 * (both[:, here] + both[:, beyond])
     return both[:, high] - below - (second[:, high] - second[:, low])

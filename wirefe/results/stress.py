@@ -211,22 +211,24 @@ def resultants(
     above[:, -1] += turned_rows(nodes[:, -1, 3:], data.arm)
     force = ends[:, element, 6:9]
     moment = ends[:, element, 9:12] + cross_rows(above[:, element] - x, force)
-    for acting in _between(wire, states, histories):
-        more = beyond_sections(acting, wire.mesh, states, cut.element, cut.phases)
-        force += more[..., :3]
-        moment += more[..., 3:] - cross_rows(x, more[..., :3])
+    for where, acting in _between(wire, states, histories):
+        more = beyond_sections(acting, wire.mesh, states[where], cut.element, cut.phases)
+        force[where] += more[..., :3]
+        moment[where] += more[..., 3:] - cross_rows(x[where], more[..., :3])
     return force, moment, t / np.linalg.norm(t, axis=-1, keepdims=True)
 
 
-def _between(wire: Wire, states: np.ndarray, histories: np.ndarray | None) -> Iterator[Between]:
-    """What acts on the wire between its nodes."""
+def _between(
+    wire: Wire, states: np.ndarray, histories: np.ndarray | None
+) -> Iterator[tuple[np.ndarray, Between]]:
+    """What acts on the wire between its nodes, and in which of the states, (states,)."""
     if of_wires(wire.data.contact.parts):
         own = wire.histories(histories, states)
         touch = np.asarray((own["closed"] | (wire.pair_gaps(states) < 0.0)).any(axis=1))
         if touch.any():
-            yield at_stations(wire.data, wire.mesh, states, own, touch)
+            yield touch, at_stations(wire.data, states[touch], own[touch])
     if len(wire.data.plates.node):
-        yield at_plates(wire.data, wire.mesh, states)
+        yield np.ones(len(states), dtype=bool), at_plates(wire.data, states)
 
 
 def axes(states: np.ndarray, cut: Sections, t: np.ndarray) -> np.ndarray:
