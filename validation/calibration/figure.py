@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -16,7 +15,7 @@ from validation.calibration.rateaxis import end_axis
 from validation.calibration.slope import WORDS, slope
 from validation.study import style
 from validation.study.models import BEAM, WIRE
-from validation.study.plots import FEW, marked, png
+from validation.study.plots import FEW, marked, png, styled
 
 POINTS: style.Look = {"color": "black", "marker": "o", "linestyle": "", "markersize": 2.0, "zorder": 3.0}
 SLOPE: style.Look = {"color": "0.2", "linewidth": 0.8, "zorder": 3.0, "label": WORDS}
@@ -37,7 +36,7 @@ def load_curves(
     paths: Paths, curve: Measured | None = None, looks: Looks = LOOKS, compared: Paths | None = None
 ) -> bytes:
     """A PNG: force and rate against the deflection in the direction of the load, beside a measurement."""
-    with matplotlib.rc_context(style.RC):
+    with styled():
         return png(picture(paths, curve, looks, compared))
 
 

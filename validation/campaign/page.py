@@ -4,7 +4,6 @@ from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -30,9 +29,9 @@ from validation.study.files import write_facts, write_files, write_text
 from validation.study.frames import frame_table
 from validation.study.machine import versions
 from validation.study.metrics import upper_bound
-from validation.study.plots import drawn
+from validation.study.plots import drawn, styled
 from validation.study.sections import MOST_SECTIONS
-from validation.study.style import DOUBLE, RC, RED
+from validation.study.style import DOUBLE, RED
 
 PAGE = template.template(Path(__file__).with_name("page.md"))
 TITLES = {"b": "equivalent beam", "w": "wire model"}
@@ -150,7 +149,7 @@ def _largest(data: pd.DataFrame, name: str) -> list[str]:
 def outcome_figure(data: pd.DataFrame) -> Figure:
     """Share of scenes that end at a critical point, over the numerics and over the physics."""
     letters = [letter for letter in LETTERS if data["id"].str.startswith(letter).any()] or ["b"]
-    with matplotlib.rc_context(RC):
+    with styled():
         figure = Figure(figsize=(DOUBLE, 0.5 + 2.5 * len(letters)), layout="constrained")
         plots = figure.subplots(len(letters), 2, squeeze=False)
         for mark, axes, (letter, names) in zip("abcd", plots.flat, product(letters, MAPS), strict=False):

@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -15,8 +14,8 @@ from validation.study import template
 from validation.study.document import Table
 from validation.study.frames import frame_table
 from validation.study.models import LAWS
-from validation.study.plots import png
-from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RC, RED
+from validation.study.plots import png, styled
+from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RED
 from validation.study.template import significant
 from validation.verification.randompage import CLASSES, cell, errors
 from validation.verification.randomsprings import COMPONENTS
@@ -91,7 +90,7 @@ SUMMARY = ("cases", "springs", "gain", "breaks", "time", "stability", "limits") 
 
 def files(law: UserLaw, data: Data) -> tuple[dict[str, bytes], list[str]]:
     """The page and its figure by file name, and the summary."""
-    with matplotlib.rc_context(RC):
+    with styled():
         picture = png(draw(data["place"]))
     text = template.page(PAGE, law=law, f=data, code="@code@", tables=tables(data))
     source = law.source[1].rstrip() if law.source else ""

@@ -80,13 +80,10 @@ class Maker:
         """
         if not self.render:
             return {}
-        import matplotlib
-
         from validation.reproduce import figures
-        from validation.study.plots import drawn, png
-        from validation.study.style import RC
+        from validation.study.plots import drawn, png, styled
 
-        with matplotlib.rc_context(RC):
+        with styled():
             figure = draw(figures)
             return drawn(figure, name) if lines else {f"{name}.png": png(figure)}
 

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,8 +14,8 @@ from validation.sensitivity.changes import COMPLETED, CURVE, Study, sizes, value
 from validation.sensitivity.inputs import AGAINST, OpenInput
 from validation.study.files import write_files
 from validation.study.models import BEAM, MODELS, WIRE
-from validation.study.plots import drawn, lettered
-from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RC, RED, WIRE_LABEL
+from validation.study.plots import drawn, lettered, styled
+from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RED, WIRE_LABEL
 
 NAME = "sensitivity"
 LEAST = 0.005  # %: inputs that move no model by this much are left out
@@ -39,8 +38,7 @@ HATCH: dict[str, Any] = {"hatch.linewidth": 0.6}
 
 def write(studies: Sequence[Study], out: Path) -> None:
     """Write the figure as SVG and PNG."""
-    looks: Any = RC | HATCH
-    with matplotlib.rc_context(looks):
+    with styled(**HATCH):
         write_files(drawn(draw(studies), NAME), out)
 
 

@@ -1,6 +1,7 @@
 """What all figures are drawn and written with."""
 
 import io
+from contextlib import AbstractContextManager
 from string import ascii_lowercase
 from typing import Any
 
@@ -14,11 +15,16 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
-from validation.study.style import BEAM_LINE, WIRE_LINE, Look
+from validation.study.style import BEAM_LINE, RC, WIRE_LINE, Look
 
 COLOURS = 256  # of a stored picture; keeps the files small, and is off by a few levels of 255
 FEW = 12  # steps of a curve whose points are marked
 NARROW = 0.35  # width over height of a picture to scale that has room for few labels
+
+
+def styled(**more: Any) -> AbstractContextManager[None]:
+    """For a block that draws and writes figures: the common style and `more` of matplotlib's settings."""
+    return matplotlib.rc_context(RC | more)
 
 
 def png(figure: Figure, exact: bool = False) -> bytes:

@@ -2,11 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from validation.study.plots import png
-from validation.study.style import BLUE, GREY, RC, RED, SINGLE, Look
+from validation.study.plots import png, styled
+from validation.study.style import BLUE, GREY, RED, SINGLE, Look
 
 COLOURS = {"equivbeam": BLUE, "wirefe": RED}
 LENGTHS = ("wire_diameter", "mean_diameter", "outer_diameter", "inner_diameter", "active_height")
@@ -25,7 +24,7 @@ def draw(rows: Sequence[Mapping[str, str]], key: str, scene: str, model: str, pr
         True: {"color": COLOURS[model], "marker": "o", "markersize": 3.0, "label": "full load"},
         False: {"color": GREY, "marker": "x", "ms": 4.0, "ls": "", "label": "last state, before full load"},
     }
-    with rc_context(RC):
+    with styled():
         figure = Figure(figsize=(SINGLE, 0.75 * SINGLE), layout="constrained")
         axes = figure.add_subplot(ylabel=label, title=f"{scene}, {model}")
         axes.set_xlabel(f"{key} ({units[-1]})" if units else key)

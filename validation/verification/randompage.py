@@ -5,7 +5,6 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -17,8 +16,8 @@ from validation.study import template
 from validation.study.files import write_bytes
 from validation.study.frames import frame_table
 from validation.study.metrics import CONFIDENCE
-from validation.study.plots import png
-from validation.study.style import BLUE, DOUBLE, GREY, NAVY, RC
+from validation.study.plots import png, styled
+from validation.study.style import BLUE, DOUBLE, GREY, NAVY
 from validation.study.template import significant
 from validation.verification import randomscenes, randomsprings
 from validation.verification.randomscenes import KINDS
@@ -146,7 +145,7 @@ def facts(data: pd.DataFrame) -> dict[str, float]:
 
 def write_figure(data: pd.DataFrame) -> None:
     """Write the PNG."""
-    with matplotlib.rc_context(RC):
+    with styled():
         write_bytes(FILE, png(draw(classified(data))))
 
 

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
@@ -13,8 +12,8 @@ from matplotlib.figure import Figure
 from coilspring import Scene, Spring
 from coilspring.scene.sizing import along, sizes
 from validation.study.files import write_bytes
-from validation.study.plots import discs, png, to_scale
-from validation.study.style import BLUE, DOUBLE, RC, RED
+from validation.study.plots import discs, png, styled, to_scale
+from validation.study.style import BLUE, DOUBLE, RED
 
 DISCS = 8  # along a wire diameter, of which the wire is drawn
 MOST_DISCS = 20_000
@@ -23,7 +22,7 @@ WIRE = LinearSegmentedColormap.from_list("wire", ("#dfe6f0", BLUE))  # from far 
 
 def draw(scene: Scene, target: Path) -> None:
     """Write a PNG: the spring at rest from the side, and its coils' diameter, pitch and closing force."""
-    with matplotlib.rc_context(RC):
+    with styled():
         figure = Figure(figsize=(DOUBLE, 4.4), layout="constrained")
         plots = figure.subplot_mosaic(
             [["side", "diameter"], ["side", "pitch"], ["side", "closing"]], width_ratios=(1.0, 1.1)

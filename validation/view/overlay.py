@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,7 +10,7 @@ from matplotlib.lines import Line2D
 from coilspring import EquilibriumPath
 from coilspring.curves import COMPONENTS, Curve, moved, over_peak
 from validation.study import style
-from validation.study.plots import both, discs, png, to_scale
+from validation.study.plots import both, discs, png, styled, to_scale
 
 LABELS = dict(zip(COMPONENTS, style.TIP_LABELS, strict=True))
 DIFFERENCE: style.Look = {"color": "black", "linewidth": 1.0}
@@ -24,7 +23,7 @@ REST: style.Look = {"color": style.GREY, "marker": "o", "linestyle": "", "marker
 
 def overlay(beam: EquilibriumPath, wire: EquilibriumPath) -> bytes:
     """`picture` as a PNG."""
-    with matplotlib.rc_context(style.RC):
+    with styled():
         return png(picture(beam, wire))
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from itertools import compress
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -14,8 +13,8 @@ from matplotlib.ticker import NullFormatter
 
 from coilspring import Contact
 from validation.study.models import BEAM, WIRE
-from validation.study.plots import drawn, lettered
-from validation.study.style import BLUE, DOUBLE, GREY, LIGHT_RED, NAVY, RC, RED, Look
+from validation.study.plots import drawn, lettered, styled
+from validation.study.style import BLUE, DOUBLE, GREY, LIGHT_RED, NAVY, RED, Look
 from validation.workprecision.results import by_scene, competes, of_paper
 from validation.workprecision.settings import PEER, SERIES, STEPS, title
 
@@ -53,7 +52,7 @@ CROSS: Look = {"marker": "x", "color": "black", "linestyle": "none", "markersize
 
 def files(rows: pd.DataFrame) -> dict[str, bytes]:
     """``workprecision-curve``, ``-shape`` and, where penalties were varied, ``-penalty`` as SVG and PNG."""
-    with matplotlib.rc_context(RC):
+    with styled():
         found: dict[str, bytes] = {}
         for kind in LABELS:
             found |= drawn(draw(rows, kind), f"workprecision-{kind}")
