@@ -11,8 +11,8 @@ from PIL import Image
 
 from validation.reproduce import assembly
 from validation.reproduce.assembly import LONG, assemble, to_html
-from validation.study.document import Table
 from validation.study.provenance import FILE, models, write_provenance
+from validation.study.tables import Table
 
 REPORTS = Path(__file__).parents[1] / "reports"
 PAGE = """# The title

@@ -20,7 +20,7 @@ from validation.reproduce.figures import load_figure, tip_figure
 from validation.reproduce.phases import SOFTER, over_phases, phase_table, turned_by
 from validation.study import cases, paths, timing
 from validation.study.cases import EXACT_ROD
-from validation.study.document import Table
+from validation.study.tables import Table
 from validation.study.template import statement, template, unwrapped
 from validation.view import shapes
 

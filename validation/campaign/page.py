@@ -24,7 +24,6 @@ from validation.campaign.verdict import (
     VERIFIED,
 )
 from validation.study import template
-from validation.study.document import Table
 from validation.study.files import write_facts, write_files, write_text
 from validation.study.frames import frame_table
 from validation.study.machine import versions
@@ -32,6 +31,7 @@ from validation.study.metrics import upper_bound
 from validation.study.plots import drawn, styled
 from validation.study.sections import MOST_SECTIONS
 from validation.study.style import DOUBLE, RED
+from validation.study.tables import Table
 
 PAGE = template.template(Path(__file__).with_name("page.md"))
 TITLES = {"b": "equivalent beam", "w": "wire model"}

@@ -11,11 +11,11 @@ from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.verdict import CLASSES as OUTCOMES
 from validation.lawstudy.springs import BAD, LAW, MESHES, breakdown
 from validation.study import template
-from validation.study.document import Table
 from validation.study.frames import frame_table
 from validation.study.models import LAWS
 from validation.study.plots import png, styled
 from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RED
+from validation.study.tables import Table
 from validation.study.template import significant
 from validation.verification.randompage import CLASSES, cell, errors
 from validation.verification.randomsprings import COMPONENTS

@@ -21,10 +21,10 @@ from coilspring.scene.toml import scene_table, scene_text
 from coilspring.words import counted, rounded
 from validation.regress import baselines, timeratios
 from validation.regress.baselines import Quantities, Run, find, made, of_runs, read, runs, runs_of
-from validation.study.document import Table
 from validation.study.files import claimed, write_text, writing
 from validation.study.models import MODELS
 from validation.study.paths import make_ready
+from validation.study.tables import Table
 
 SCENE = "scene.toml"  # beside the baselines of a user's scene: what they are of
 FORCES = ("contact_force", "force_times_number", "max_penetration")

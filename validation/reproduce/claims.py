@@ -14,7 +14,7 @@ from jinja2 import Template
 from coilspring.curves import COMPONENTS
 from validation.reproduce.facts import BY_WIRES
 from validation.study.cases import CASES, case
-from validation.study.document import Table
+from validation.study.tables import Table
 from validation.study.template import Facts, percent, template, unwrapped
 
 VERDICTS = ("agrees", "differs", "cannot be decided", "cannot be compared")

@@ -6,9 +6,9 @@ import pandas as pd
 from coilspring import Scene
 from coilspring.curves import COMPONENTS, compare_paths
 from validation.study.cases import PAPER_MESH, case, turned
-from validation.study.document import Table
 from validation.study.partialsolve import ending
 from validation.study.paths import PathStore
+from validation.study.tables import Table
 
 DEGREES = tuple(range(0, 360, 30))
 MANY_PAIRS = 20  # sphere pairs per turn so close that their places hardly matter

@@ -15,11 +15,11 @@ from validation.reproduce.facts import converged_error, mesh_error
 from validation.reproduce.phases import phase_table
 from validation.reproduce.times import ITERATIONS
 from validation.study.cases import CASES, EXACT_ROD, PAPER_MESH, case
-from validation.study.document import Table
 from validation.study.frames import view
 from validation.study.partialsolve import ending
 from validation.study.paths import PathStore
 from validation.study.style import TIP_LABELS
+from validation.study.tables import Table
 from validation.study.template import Facts, page, template
 from validation.study.timing import spread
 

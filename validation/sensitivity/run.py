@@ -17,13 +17,13 @@ from validation.sensitivity import changes, tornado
 from validation.sensitivity.changes import CURVE, DEVIATION, Study
 from validation.sensitivity.inputs import INPUTS, KINDS, NAMES, OPEN, SILENT, VARIED, inputs_of
 from validation.study.cases import CASES
-from validation.study.document import Table
 from validation.study.files import prepare, write_text
 from validation.study.models import MODELS
 from validation.study.partialsolve import EndedEarly, ending
 from validation.study.paths import make_ready
 from validation.study.provenance import write_provenance
 from validation.study.store import Store, default_folder
+from validation.study.tables import Table
 from validation.study.template import page, template
 
 PAGE, OWN_PAGE = (template(Path(__file__).with_name(name)) for name in ("page.md", "own.md"))

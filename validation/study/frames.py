@@ -8,8 +8,8 @@ from typing import Any
 
 import pandas as pd
 
-from validation.study.document import Table
 from validation.study.files import write_bytes
+from validation.study.tables import Table
 
 TIPS = ("ux_mm", "uy_mm", "rotz_rad")  # columns of a tip
 Format = str | Callable[[Any], str]  # as str.format takes it, or a function of the value

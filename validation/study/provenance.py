@@ -3,11 +3,11 @@
 import json
 from pathlib import Path
 
-from validation.study.document import Table
 from validation.study.files import write_bytes
 from validation.study.keys import sources
 from validation.study.machine import machine
 from validation.study.models import MODELS
+from validation.study.tables import Table
 
 FILE = "provenance.json"
 PACKAGES = ("coilspring", *MODELS)  # of which the models are made

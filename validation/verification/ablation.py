@@ -21,11 +21,11 @@ from coilspring.curves import compare_paths
 from equivbeam import Refinements
 from validation.study import template
 from validation.study.cases import CASES, EXACT_ROD, turned
-from validation.study.document import Table
 from validation.study.files import write_facts, write_text
 from validation.study.frames import frame_table, read_csv, write_csv
 from validation.study.partialsolve import partial_path
 from validation.study.provenance import write_provenance
+from validation.study.tables import Table
 from validation.verification import randompage, randomsprings
 
 PAGE = Path("docs/error-budget.md")

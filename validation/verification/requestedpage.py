@@ -9,10 +9,10 @@ import pandas as pd
 
 from coilspring.words import counted
 from validation.study import template
-from validation.study.document import Table
 from validation.study.frames import frame_table
 from validation.study.metrics import CONFIDENCE, upper_bound
 from validation.study.sections import MOST_SECTIONS
+from validation.study.tables import Table
 from validation.verification import requestedruns
 from validation.verification.requestedruns import REFUSED
 

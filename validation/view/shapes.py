@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.study.cases import case
-from validation.study.document import Table
+from validation.study.tables import Table
 
 if TYPE_CHECKING:
     from validation.study.paths import PathStore

@@ -12,10 +12,10 @@ import pandas as pd
 from coilspring import InputError
 from validation.study import provenance
 from validation.study.cases import CASES
-from validation.study.document import Table
 from validation.study.files import write_files, write_text
 from validation.study.frames import view
 from validation.study.models import LAWS, PAPER_LAW
+from validation.study.tables import Table
 from validation.study.template import page, template
 from validation.study.timing import spread
 from validation.workprecision import results
