@@ -37,7 +37,7 @@ from equivbeam.sensitivity import NAMES
 from validation.calibration import run
 from validation.calibration.difference import along_load, difference, lines, scene_for, warnings
 from validation.calibration.figure import finer, picture
-from validation.calibration.slope import WORDS, slope
+from validation.calibration.slope import LABEL, slope
 from validation.cli.arguments import EPILOG, FITTED
 from validation.cli.command import main
 
@@ -547,7 +547,7 @@ def test_the_measured_rate_is_that_of_the_curve(count):
     np.testing.assert_allclose(rates, 5.0 + np.maximum(at - 6.0, 0.0), atol=0.3)  # of the kink
     figure = picture({"equivbeam": equivbeam.solve(GUIDED)}, cycle)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert (WORDS in labels) == (count > 4)
+    assert (LABEL in labels) == (count > 4)
 
 
 def test_curves_are_drawn_from_the_finer_path():

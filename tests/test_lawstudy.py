@@ -190,7 +190,7 @@ def row(kind: str, closed: int, law: float, outcome: str = "completed") -> dict:
 def test_verdict_follows_the_rows(error, words):
     kinds = ["free top, lateral"] * 6 + ["guided, axial force"] * 6
     data = springs.frame([row(kind, 0, error) for kind in kinds])
-    assert words in template.statement(page.PAGE, "gain", {"springs": data})
+    assert words in template.statement(page.WORDS, "gain", {"springs": data})
 
 
 def test_what_breaks_first():
@@ -199,7 +199,7 @@ def test_what_breaks_first():
     holds = pd.DataFrame(
         {"spring": ["a"], "direction": ["bent"], "share": [1.0], "unit": ["rad"], "what": ["holds"]}
     )
-    sentence = template.statement(page.PAGE, "breaks", {"springs": springs.frame(rows), "half coil": holds})
+    sentence = template.statement(page.WORDS, "breaks", {"springs": springs.frame(rows), "half coil": holds})
     assert "guided, axial force, without contact, where 3 of 8 springs" in sentence
     assert "no half coil" in sentence
 

@@ -12,13 +12,13 @@ from coilspring.measured import Measured
 from coilspring.scene.scene import load_directions
 from validation.calibration.difference import along_load, differences
 from validation.calibration.rateaxis import end_axis
-from validation.calibration.slope import WORDS, slope
+from validation.calibration.slope import LABEL, slope
 from validation.study import style
 from validation.study.models import BEAM, WIRE
 from validation.study.plots import FEW, marked, png, styled
 
 POINTS: style.Look = {"color": "black", "marker": "o", "linestyle": "", "markersize": 2.0, "zorder": 3.0}
-SLOPE: style.Look = {"color": "0.2", "linewidth": 0.8, "zorder": 3.0, "label": WORDS}
+SLOPE: style.Look = {"color": "0.2", "linewidth": 0.8, "zorder": 3.0, "label": LABEL}
 LOOSE: style.Look = {"linestyle": "", "clip_on": False}  # rates of few steps: between them they are unknown
 GIVEN_LINE: style.Look = {"color": style.GREY, "linewidth": 1.4, "linestyle": (0, (1, 1.2))}
 Looks = Mapping[str, tuple[str, style.Look]]  # labels and lines, by model
@@ -75,8 +75,8 @@ def picture(
     plots["rate"].set(xlabel=DEFLECTION, ylabel="rate (N/mm)", xlim=(0.0, None))
     end_axis(plots["rate"], [(path, rates[name]) for name, path in drawn.items()])
     lines, labels = plots["force"].get_legend_handles_labels()
-    if slopes := [line for line in plots["rate"].get_lines() if line.get_label() == WORDS]:
-        lines, labels = [lines[0], *slopes, *lines[1:]], [labels[0], WORDS, *labels[1:]]
+    if slopes := [line for line in plots["rate"].get_lines() if line.get_label() == LABEL]:
+        lines, labels = [lines[0], *slopes, *lines[1:]], [labels[0], LABEL, *labels[1:]]
     figure.legend(lines, labels, loc="outside lower center", ncols=2 if slopes else 3)
     return figure
 

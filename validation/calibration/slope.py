@@ -7,7 +7,7 @@ from coilspring.measured import Measured
 WINDOW = 0.1  # of the largest deflection
 MOST = 400  # windows, at points evenly chosen
 FEWEST = 5  # points of a window, which is wider where they are sparse
-WORDS = "measured: slope over a tenth of the deflection"
+LABEL = "measured: slope over a tenth of the deflection"
 
 
 def slope(curve: Measured) -> tuple[np.ndarray, np.ndarray]:

@@ -33,7 +33,7 @@ from validation.study.sections import MOST_SECTIONS
 from validation.study.style import DOUBLE, RED
 from validation.study.tables import Table
 
-PAGE = template.template(Path(__file__).with_name("page.md"))
+WORDS = template.template(Path(__file__).with_name("page.md"))
 TITLES = {"b": "equivalent beam", "w": "wire model"}
 SHAPES = {False: "cylinder or cone", True: "of sections"}
 MAPS = (("penalty", "steps"), ("slenderness", "load"))
@@ -102,7 +102,7 @@ def page(data: pd.DataFrame) -> str:
     held = data[(data["id"].str[0] == "w") & data["sliding"].isin(["none", "coulomb"])]
     kinds = {kind: data[data["kind"] == kind] for kind in KINDS}
     return template.page(
-        PAGE,
+        WORDS,
         seeds=sorted(data["seed"].unique(), key=int),
         rates=_rates(counts["model"].set_index("model")),
         unexplained=frame_table(seeds[["scenes", UNEXPLAINED, ITERATION]].reset_index()),

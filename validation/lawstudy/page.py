@@ -82,9 +82,9 @@ def on_case(row: Any, law: str) -> str:
     return f"{getattr(row, f'{law}_error'):.2f} ({detail}){ended}"
 
 
-SAID = (pair, gain, nearer, weakest, differences, breakdown, on_case, cell)
-PAGE = template.template(Path(__file__).with_name("page.md"), SAID)
-PAGE.globals.update(bad=BAD, laws=COMPARED, classes=CLASSES, components=COMPONENTS, outcomes=OUTCOMES)
+FUNCTIONS = (pair, gain, nearer, weakest, differences, breakdown, on_case, cell)
+WORDS = template.template(Path(__file__).with_name("page.md"), FUNCTIONS)
+WORDS.globals.update(bad=BAD, laws=COMPARED, classes=CLASSES, components=COMPONENTS, outcomes=OUTCOMES)
 SUMMARY = ("cases", "springs", "gain", "breaks", "time", "stability", "limits")  # blocks of the page
 
 
@@ -92,10 +92,10 @@ def files(law: UserLaw, data: Data) -> tuple[dict[str, bytes], list[str]]:
     """The page and its figure by file name, and the summary."""
     with styled():
         picture = png(draw(data["place"]))
-    text = template.page(PAGE, law=law, f=data, code="@code@", tables=tables(data))
+    text = template.page(WORDS, law=law, f=data, code="@code@", tables=tables(data))
     source = law.source[1].rstrip() if law.source else ""
     text = text.replace("@code@", f"```python\n{source}\n```")  # its lines stay as they are
-    summary = [template.statement(PAGE, name, data) for name in SUMMARY]
+    summary = [template.statement(WORDS, name, data) for name in SUMMARY]
     return {"law.md": text.encode(), "law.png": picture}, summary
 
 

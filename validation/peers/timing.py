@@ -32,7 +32,7 @@ STEPS = 50  # of the paper
 COUNTS = (1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, STEPS)
 AGREEMENT = 0.002  # of the tip: between the codes, and of few steps with `STEPS`
 ROUNDS = 5
-PAGE = template.template(Path(__file__).with_name("timing.md"))
+WORDS = template.template(Path(__file__).with_name("timing.md"))
 TIMES: dict[str, Callable[[Any], object]] = {
     "ratio": lambda row: spread(row, "ratio"),
     "scene": lambda row: row.scene,
@@ -111,7 +111,7 @@ def page(data: pd.DataFrame, tolerance: float) -> str:
         for code in CODES
     ]
     return template.page(
-        PAGE,
+        WORDS,
         host=machine(),
         openseespy=versions("openseespy")["openseespy"],
         times=view(data, TIMES),

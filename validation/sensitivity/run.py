@@ -26,7 +26,7 @@ from validation.study.store import Store, default_folder
 from validation.study.tables import Table
 from validation.study.template import page, template
 
-PAGE, OWN_PAGE = (template(Path(__file__).with_name(name)) for name in ("page.md", "own.md"))
+WORDS, OWN_WORDS = (template(Path(__file__).with_name(name)) for name in ("page.md", "own.md"))
 TITLES = {item.name: item.title for item in INPUTS}
 ESTIMATES = (
     *("case", "model", "largest single, not given (%)", "largest single, with readings (%)"),
@@ -96,11 +96,11 @@ def _varied(studies: Sequence[Study]) -> list[Study]:
 def write_page(studies: Sequence[Study], out: Path, own: bool = False) -> None:
     """Write ``sensitivity.md``: of the paper's cases, or of a user's scenes."""
     if own:
-        text = page(OWN_PAGE, cases=[_own(study) for study in _varied(studies)], early=ended_early(studies))
+        text = page(OWN_WORDS, cases=[_own(study) for study in _varied(studies)], early=ended_early(studies))
     else:
         inputs = ((item.title, item.paper, item.kind, item.default, item.reason) for item in INPUTS)
         text = page(
-            PAGE,
+            WORDS,
             estimates=Table(ESTIMATES, tuple(_estimate(s, model) for s in studies for model in MODELS)),
             inputs=Table(INPUT_HEADER, tuple(inputs)),
             kinds=KINDS,

@@ -107,8 +107,8 @@ def over_seeds(rows: pd.DataFrame, column: str, closing: int, share: float) -> s
     return f"{significant(found.min())} to {significant(found.max())}"
 
 
-SAID = (errors, cell, both, in_words, percentile_bound, over_seeds, fewest, cell_sizes)
-WORDS = template.template(Path(__file__).with_name("randomsprings.md"), SAID)
+FUNCTIONS = (errors, cell, both, in_words, percentile_bound, over_seeds, fewest, cell_sizes)
+WORDS = template.template(Path(__file__).with_name("randomsprings.md"), FUNCTIONS)
 WORDS.globals.update(
     **{"drawn": randomscenes, "study": randomsprings, "few": FEW, "confidence": CONFIDENCE},
     **{"classes": CLASSES, "names": NAMES, "kinds": [kind.name for kind in KINDS]},

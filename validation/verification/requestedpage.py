@@ -140,8 +140,11 @@ def absent(rows: pd.DataFrame) -> list[str]:
     return [name for contact, name in names.items() if contact not in found]
 
 
-SAID = (short, listed, at, accuracies, figures, springs, answers, failing, slowest, for_most, absent, counted)
-WORDS = template.template(Path(__file__).with_name("requestedpage.md"), SAID)
+FUNCTIONS = (
+    *(short, listed, at, accuracies, figures, springs, answers),
+    *(failing, slowest, for_most, absent, counted),
+)
+WORDS = template.template(Path(__file__).with_name("requestedpage.md"), FUNCTIONS)
 WORDS.globals.update(coils=COILS, wires=WIRES, rate=RATE, most=MOST, seen=SEEN)
 WORDS.globals.update(sections=MOST_SECTIONS, confidence=CONFIDENCE, infinite=math.inf, study=requestedruns)
 

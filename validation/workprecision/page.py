@@ -23,7 +23,7 @@ from validation.workprecision.results import by_scene, fastest, of_paper, settin
 from validation.workprecision.settings import PEER, STEPS, title
 from wirefe.contact.points import PER_TURN
 
-PAGE = template(Path(__file__).with_name("page.md"))
+WORDS = template(Path(__file__).with_name("page.md"))
 PAPER_REDUCTION = {case.name: f"{case.paper_reduction:g}" for case in CASES}
 EQUAL_ERROR = (
     *("scene", "law", "its error (%)", "its time (ms)", "wire model, as good at least", "error (%)"),
@@ -67,7 +67,7 @@ def _markdown(rows: pd.DataFrame, made: Mapping[str, str], drawn: bool) -> str:
         "rounds": f"{rows.loc[rows['role'] == 'run', 'rounds'].iloc[0]:.0f}",
     }
     return page(
-        PAGE,
+        WORDS,
         **{"STEPS": STEPS, "PER_TURN": PER_TURN, "made": made, "drawn": drawn, "reference": reference},
         tables={
             "equal_error": equal_error_table(rows),
