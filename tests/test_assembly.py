@@ -98,7 +98,7 @@ def test_every_block_is_rendered(tmp_path):
 def test_a_study_that_is_missing_is_said_in_a_sentence(out):
     page = html(out)
     for study in assembly.STUDIES:
-        assert f"<code>coilcheck {study.name}</code> shows {study.tells}" in page
+        assert f"<code>coilcheck {study.name}</code> shows {study.shows}" in page
 
 
 def test_sections_in_their_order_one_level_down(out):

@@ -9,7 +9,7 @@ from coilspring.words import plain
 from validation.calibration.difference import along_load, undirected
 from validation.study.plots import FEW
 
-NEARLY_ALL = 0.95  # of the way, over which the usual rates are
+NEARLY_ALL = 0.95  # of the deflection, over which the usual rates are
 # A spring is solid where it has gone so much of its travel, and where its rate is so many times that at rest:
 # wires, which are inclined, close a little before the travel, which is that of circles.
 GONE, SOLID = 0.95, 10.0
@@ -20,7 +20,7 @@ LEAST = 0.1  # of the mean rate, which the axis shows on both sides of it
 
 
 def end_axis(axes: Axes, curves: list[tuple[EquilibriumPath, np.ndarray]]) -> None:
-    """Limits of the rates' axis, for paths with their rates from rest on; what is beyond is told in words."""
+    """Limits of the rates' axis, for paths with their rates from rest on; what is beyond is said in words."""
     shown, cut = [], []
     for path, rates in curves:
         deflection = along_load(path)[0]
@@ -54,11 +54,11 @@ def solid_from(path: EquilibriumPath, rates: np.ndarray) -> float:
 
 
 def usual_rate(deflection: np.ndarray, rates: np.ndarray) -> float:
-    """Rate that is not exceeded over nearly all of the way; between two steps the smaller one counts."""
-    way = np.abs(np.diff(deflection))
+    """Rate not exceeded over nearly all of the deflection; between two steps the smaller one counts."""
+    lengths = np.abs(np.diff(deflection))
     smaller = np.fmin(rates[1:], rates[:-1])
     order = np.argsort(smaller)
-    gone = np.cumsum(way[order])
+    gone = np.cumsum(lengths[order])
     return float(smaller[order][np.searchsorted(gone, NEARLY_ALL * gone[-1])])
 
 

@@ -28,7 +28,7 @@ def slope(curve: Measured) -> tuple[np.ndarray, np.ndarray]:
         near = distance <= max(half, float(np.partition(distance, FEWEST - 1)[FEWEST - 1]))
         middle = float(deflection[near].mean())
         x = deflection[near] - middle
-        if (size := float(x @ x)) > 0.0:  # else points at rest, which tell no slope
+        if (size := float(x @ x)) > 0.0:  # else points at rest, which have no slope
             found.append((middle, float(x @ force[near]) / size))
     at, slopes = np.array(found).reshape(-1, 2).T
     return at, slopes

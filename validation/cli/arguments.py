@@ -100,15 +100,15 @@ def command_line() -> argparse.ArgumentParser:
     return parser
 
 
-def _add(home: argparse._ActionsContainer, options: list, words: dict, changes: dict) -> None:
+def _add(parser: argparse._ActionsContainer, options: list, words: dict, changes: dict) -> None:
     """Add options, groups and alternatives to a command or a group."""
     for name in options:
         if isinstance(name, list):
             required = name[0] == "required"
-            _add(home.add_mutually_exclusive_group(required=required), name[required:], words, changes)
+            _add(parser.add_mutually_exclusive_group(required=required), name[required:], words, changes)
         elif name in words["group"]:
             group = words["group"][name]
-            _add(home.add_argument_group(group["title"]), group["options"], words, changes)
+            _add(parser.add_argument_group(group["title"]), group["options"], words, changes)
         else:
             keywords = words["option"][name] | changes.get(name, {})
             if isinstance(choices := keywords.get("choices"), str):
@@ -122,7 +122,7 @@ def _add(home: argparse._ActionsContainer, options: list, words: dict, changes: 
             keywords["help"] = keywords["help"].format(**listed)
             if not keywords.keys() & {"metavar", "choices"}:
                 keywords["action"] = "store_true"
-            home.add_argument(name, *keywords.pop("also", ()), **keywords)
+            parser.add_argument(name, *keywords.pop("also", ()), **keywords)
 
 
 def _some(names: tuple[str, ...], text: str) -> tuple[str, ...]:

@@ -111,8 +111,8 @@ def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> 
         for name, scene in scenes.items() or [("", None)]:
             out = folder / name if len(scenes) > 1 else folder
             chosen = shipped_runs(name) if scene and kept is None else None
-            home = SHIPPED if kept is None else kept / name
-            finding = run.regress(out, home, accept, times, progress, scene, chosen)
+            baseline = SHIPPED if kept is None else kept / name
+            finding = run.regress(out, baseline, accept, times, progress, scene, chosen)
             verdict = f"{name}: {finding.verdict}" if name else finding.verdict
             lines += [*map(str, finding.moves), *finding.left_out, verdict]
             verdicts += [verdict] if finding.moves and not accept else []
@@ -140,7 +140,7 @@ def _require_shipped(scenes: Mapping[str, Scene], arguments: argparse.Namespace)
 
 
 def stability(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:
-    """Judge sampled scenes of both models."""
+    """Verify sampled scenes of both models."""
     case = arguments.case
     without = ("beams", "wires", "workers", "out") if case is not None else ()
     for name in given(arguments, without):

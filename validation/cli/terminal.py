@@ -21,7 +21,7 @@ LIMIT_POINTS = {  # by whether UY is prescribed
 }
 MANY = 64  # stations per turn: where wires slide off early, it is seen with these
 PIPE_CLOSED = 141  # exit code, as of what the signal SIGPIPE ends
-TOLD = 0.01  # seconds, from which on it is said that kernels were made ready
+LONG = 0.01  # seconds, from which on compiling is mentioned
 FIRST = "(making the kernels ready, once: about half a minute)"
 SLIPPING = {  # without friction, by what stands for coils that touch
     "equivbeam": "circles may slide off one another where coils do not: wirefe with contact of wires tells",
@@ -48,7 +48,7 @@ def say(*lines: str) -> None:
 
 
 def warn(line: str) -> None:
-    """Print to stderr, after the name of the command; where it cannot be, the exit code alone tells."""
+    """Print to stderr, after the name of the command; where it cannot be, there is the exit code alone."""
     if sys.stderr is None:
         return
     try:
@@ -121,7 +121,7 @@ def digest(path: EquilibriumPath) -> list[str]:
         lines.append(f"  {plain(path.other_seconds)} s CPU more for the choice and the estimate")
     count = counted(path.total_iterations, "iteration")
     ready = f" (and {plain(path.compile_seconds)} s to make the kernels ready)"
-    compiled = ready if path.compile_seconds >= TOLD else ""
+    compiled = ready if path.compile_seconds >= LONG else ""
     return [*lines, f"  {count}, {plain(path.solve_seconds)} s CPU{compiled}"]
 
 

@@ -18,7 +18,7 @@ from validation.peers.layout import NODES_PER_TURN, PeerCurve, amplitudes, layou
 from validation.study.template import template
 
 STIFF = 1e4  # modulus of the stiff beams over the wire's
-POINTER = 10.0  # length of the beam whose end tells ROTZ, in wire diameters
+POINTER = 10.0  # length of the beam whose end gives ROTZ, in wire diameters
 JOB = "scene"
 FILE = f"{JOB}.inp"
 INSTALL = "ccx is not installed: apt-get install calculix-ccx (Debian), or see calculix.de"
@@ -29,7 +29,7 @@ def deck(scene: Scene) -> str:
 
     The top is no rigid body, which would leave the last point of the wire a hinge, as beams have rotations in
     knots only: stiff beams go from the reference point to all that moves with it, and to a pointer above it,
-    whose end tells ROTZ. `InputError` for what is not given to this peer.
+    whose end gives ROTZ. `InputError` for what is not given to this peer.
     """
     refuse(scene, "calculix")
     wire, d = layout(scene, NODES_PER_TURN), scene.spring.wire_diameter

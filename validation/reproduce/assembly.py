@@ -38,7 +38,7 @@ class Study(NamedTuple):
 
     name: str  # of its command, its folder and its page
     title: str  # of its section
-    tells: str  # what a reader finds there
+    shows: str  # what a reader finds there
 
 
 STUDIES = (
@@ -72,7 +72,7 @@ def _folder(study: Study, out: Path) -> Path | None:
 def _section(study: Study, folder: Path | None) -> str:
     """The study's page one level down, under the section's title."""
     if folder is None:
-        words = f"Not among the results found here: `coilcheck {study.name}` shows {study.tells}."
+        words = f"Not among the results found here: `coilcheck {study.name}` shows {study.shows}."
     else:
         page = (folder / f"{study.name}.md").read_text(encoding="utf-8")
         words = re.sub("^#", "##", page.partition("\n")[2], flags=re.MULTILINE)
@@ -137,7 +137,7 @@ def _width(points: float | None) -> str:
 
 
 def _points(png: bytes) -> float | None:
-    """Printed width of a PNG, pt; None where it does not tell."""
+    """Printed width of a PNG, pt; None where it has none."""
     place = png.find(b"pHYs")
     if place < 0:
         return None

@@ -95,12 +95,12 @@ def solids_error(facts: Mapping[str, Any]) -> float:
     return max(facts[f"large.{scene}.solids.coarse"] for scene in SCENES)
 
 
-def ranked(facts: Mapping[str, Any], told: bool) -> list[tuple[str, float]]:
+def ranked(facts: Mapping[str, Any], resolved: bool) -> list[tuple[str, float]]:
     """Models with their difference from the finer solids, %: by more than `solids_error` or others."""
     own, found = solids_error(facts), []
     for scene, model, kind in product(SCENES, TITLES, KINDS):
         off = facts[f"large.{scene}.{model}.{kind}"]
-        if (off > own) == told:
+        if (off > own) == resolved:
             found.append((f"{model}, {kind}", off))
     return sorted(found, key=lambda pair: pair[1])
 

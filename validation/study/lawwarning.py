@@ -13,7 +13,7 @@ from validation.study.models import HELIX_LAW, PAPER_LAW
 
 SMALL = 1e-4  # of the active height: about as far does the top move
 DOUBTFUL = 0.1  # of a component of the tip
-SLIGHT = 0.05  # of the largest component: one that is smaller tells nothing
+SLIGHT = 0.05  # of the largest component: one that is smaller does not count
 
 
 def law_warning(scene: Scene) -> str:

@@ -46,7 +46,7 @@ def timed_on() -> list[str]:
 def _processor() -> str:
     """Name of the processor, and the kind that code is compiled for: virtual machines give several one name.
 
-    Only Linux tells the name in a file.
+    Only Linux has the name in a file.
     """
     from llvmlite.binding import get_host_cpu_name  # is slow to import
 

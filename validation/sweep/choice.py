@@ -43,7 +43,7 @@ def choose(
 ) -> Chosen:
     """The cheapest law or mesh whose errors on a sample of a grid are within the accuracy, with a margin.
 
-    Raises `InputError`: no candidate does, or the wire model cannot tell, or no scene can be solved.
+    Raises `InputError`: no candidate does, the wire model is no reference, or no scene can be solved.
     """
     require_number("accuracy", accuracy, *ACCURACIES)
     grid = [_meshed(point) for point in grid]
@@ -67,7 +67,7 @@ def choose(
 
 
 def _meshed(point: Point) -> Point:
-    """The point, without its scene where the wire model, which tells the errors, refuses that."""
+    """The point, without its scene where the wire model, from which errors are measured, refuses that."""
     if point.scene is None:
         return point
     try:

@@ -64,8 +64,8 @@ def _require_key(key: str, table: Mapping[str, Any]) -> None:
     """Refuse a key that the file of a scene, as `table` has it, cannot have."""
     section, *path = key.split(".")
     if section not in SECTIONS:
-        homes = [home for home, record in SECTIONS.items() if section in allowed_keys(record)]
-        meant = f"did you mean {homes[0]}.{key}? " if homes else ""
+        others = [name for name, record in SECTIONS.items() if section in allowed_keys(record)]
+        meant = f"did you mean {others[0]}.{key}? " if others else ""
         raise InputError(f"unknown section {section!r}; {meant}allowed: {', '.join(SECTIONS)}")
     record = SECTIONS[section]
     name = path[0] if path else ""
@@ -94,8 +94,8 @@ def _refuse_same(key: str, other: str) -> None:
         raise InputError(f"{key} is varied twice: give all its values in one list or range")
     if f"{key}.".startswith(f"{other}.") or f"{other}.".startswith(f"{key}."):
         raise InputError(f"{key} is varied already, by {other}")
-    (section, name), (home, another) = (each.split(".")[:2] for each in (key, other))
-    if section == home and another in _beside(SECTIONS[section], name):
+    (section, name), (other_section, other_name) = (each.split(".")[:2] for each in (key, other))
+    if section == other_section and other_name in _beside(SECTIONS[section], name):
         raise InputError(f"{other} and {key} exclude each other: vary one")
 
 
@@ -164,13 +164,13 @@ def _changed(table: Mapping[str, Any], keys: Sequence[str], values: Sequence[Any
         changed[section] = deepcopy(table[section])
     for key, value in zip(keys, values, strict=True):
         section, *path, last = key.split(".")
-        home = changed[section]
+        place = changed[section]
         if not path:
             for other in _excluded(SECTIONS[section], last):
-                home.pop(other, None)
+                place.pop(other, None)
         for step in path:
-            home = home[int(step)] if isinstance(home, list) else home[step]
-        home[int(last) if isinstance(home, list) else last] = value
+            place = place[int(step)] if isinstance(place, list) else place[step]
+        place[int(last) if isinstance(place, list) else last] = value
     return scene_from_table(changed)
 
 

@@ -28,9 +28,9 @@ class VerificationCase:
     limits: str  # what the case cannot show
     solve: Callable[[int], Sequence[float] | np.ndarray]  # components of the result, by a number of elements
     mesh: int  # that number
-    meshes: tuple[int, ...] = ()  # each twice as fine as the one before, which tell the order of convergence
+    meshes: tuple[int, ...] = ()  # each twice as fine as the one before, for the order of convergence
     fine: int = 0  # mesh that stands in place of the target there
-    components: int = 3  # whose error tells the order
+    components: int = 3  # whose error gives the order
 
     def kind(self) -> str:
         """Kind of the target, of `KINDS`.

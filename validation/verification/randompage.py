@@ -84,7 +84,7 @@ def high(errors: pd.Series) -> str:
 
 
 def percentile_bound(errors: pd.Series) -> float:
-    """An error that the 95th percentile lies below with `CONFIDENCE`; not a number where no sample tells."""
+    """An error that the 95th percentile lies below with `CONFIDENCE`; nan where the sample is small."""
     known = np.sort(errors.dropna())
     place = int(binom.ppf(CONFIDENCE, len(known), 0.95))  # no more than so many lie below the percentile
     return float(known[place]) if place < len(known) else float("nan")

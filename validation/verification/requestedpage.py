@@ -16,7 +16,7 @@ from validation.study.tables import Table
 from validation.verification import requestedruns
 from validation.verification.requestedruns import REFUSED
 
-SPRING = ["seed", "kind", "number"]  # what tells a spring from the others
+SPRING = ["seed", "kind", "number"]  # what identifies a spring
 # What its coils do, as the page has it.
 OPEN, FREE, HELD, WIRES, ROUGH = (
     *("coils that do not touch", "spheres that slide freely", "spheres that stick or have friction"),

@@ -85,9 +85,9 @@ def _others(seed: int, each: int, name: str) -> Iterator[Drawn]:
 
 def _and_back(load: Load) -> Load:
     """The load, and then a share of it."""
-    (x, y), ways = load.force, tuple(share * way for way in load.displacement for share in (1.0, BACK))
-    stages = () if ways else ((x, y), (BACK * x, BACK * y))
-    return Load(steps=load.steps, stages=stages, displacement=ways)
+    (x, y), pressed = load.force, tuple(share * uy for uy in load.displacement for share in (1.0, BACK))
+    stages = () if pressed else ((x, y), (BACK * x, BACK * y))
+    return Load(steps=load.steps, stages=stages, displacement=pressed)
 
 
 def rows(drawn: Drawn, scene: Scene, accuracies: Iterable[float] = ACCURACIES) -> list[dict[str, Any]]:

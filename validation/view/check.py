@@ -23,14 +23,14 @@ from wirefe.mesh import mesh_wire
 
 STEEPEST = 7.5  # degrees; EN 13906-1:2013, to which its formulas apply
 LEFT_OUT = "; its friction, or what makes its coils stick, with --sliding scene alone"
-OFF = 0.1  # share of the rate from which a formula that is off is told
+OFF = 0.1  # share of the rate of a formula, from which there is a warning
 ELEMENTS_PER_TURN = 40  # of the wire model, where nothing is said
 Progress = Callable[[str], None]
 WORDS = template(Path(__file__).with_name("check.txt"))
 
 
 def report(scene: Scene, progress: Progress = lambda line: None) -> tuple[list[str], list[str]]:
-    """Lines that say what a scene is, and warnings; `progress` hears of what is solved for them."""
+    """Lines that say what a scene is, and warnings; `progress` is called before what is solved for them."""
     found = sizes(scene)
     (low, high), angle = found.index, math.degrees(found.helix_angle)
     held = held_wire(scene) if scene.supports.seat == "rigid" else None

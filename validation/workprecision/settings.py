@@ -85,7 +85,7 @@ class Extent:
 
     straight: tuple[int, ...]  # elements per turn, straight ones
     curved: tuple[int, ...]  # elements per turn, curved ones
-    reference: int  # curved elements per turn of the reference; half of it tells the reference's error
+    reference: int  # curved elements per turn of the reference; half of it gives the reference's error
     steps: tuple[int, ...]  # other numbers of steps; divisors of `Extent.finest`
     pairs: tuple[int, ...]  # other sphere pairs per turn; of stations of wires as many times more
     rounds: int  # timed rounds
