@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from coilspring.curves import COMPONENTS
 from equivbeam.laws.userlaw import UserLaw
 from validation.campaign.verdict import CLASSES as OUTCOMES
 from validation.lawstudy.springs import BAD, LAW, MESHES, breakdown
@@ -18,7 +19,6 @@ from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RED
 from validation.study.tables import Table
 from validation.study.template import significant
 from validation.verification.randompage import CLASSES, cell, errors
-from validation.verification.randomsprings import COMPONENTS
 
 COMPARED = (*LAWS, LAW)
 FEWEST = 5  # springs of a kind, below which it is not named

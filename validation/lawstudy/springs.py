@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from coilspring import Scene
-from coilspring.curves import Curve, compare_paths
+from coilspring.curves import COMPONENTS, Curve, compare_paths
 from equivbeam.laws.userlaw import UserLaw
 from validation.study.cases import CASES, study_scenes
 from validation.study.models import LAWS
@@ -20,7 +20,7 @@ from validation.study.timing import interleaved, median_of
 from validation.verification.ablation import CONVERGED
 from validation.verification.randompage import CLASSES, classified
 from validation.verification.randomscenes import KINDS, population
-from validation.verification.randomsprings import COMPONENTS, HELIX_FIRST, closed, law_row, reference
+from validation.verification.randomsprings import HELIX_FIRST, closed, law_row, reference
 
 LAW = "law"  # the user's, among the names of laws
 BAD = 5.0  # per cent of the tip vector, from which on a law counts as broken

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from validation.study.files import write_bytes
+from validation.study.files import json_bytes, write_bytes
 from validation.study.keys import sources
 from validation.study.machine import machine
 from validation.study.models import MODELS
@@ -16,14 +16,8 @@ DIGITS = 12  # of a digest, as shown
 
 def provenance(command: str, **more: object) -> bytes:
     """What makes results now, as JSON; `command` makes them again; `more` is kept with it."""
-    made = {
-        "command": command,
-        **machine(),
-        "models": models(),
-        "study": sources("validation")[:DIGITS],
-        **more,
-    }
-    return (json.dumps(made, indent=2) + "\n").encode()
+    study = sources("validation")[:DIGITS]
+    return json_bytes({"command": command, **machine(), "models": models(), "study": study, **more})
 
 
 def write_provenance(command: str, out: Path, **more: object) -> None:

@@ -1,6 +1,5 @@
 """What the wire model's contact moves and costs: ``python -m validation.verification.contact``."""
 
-import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from itertools import product
@@ -15,6 +14,7 @@ import wirefe
 from coilspring import Contact, EquilibriumPath, Load, Scene, load_scene, spring_a, spring_b
 from coilspring.curves import COMPONENTS, moved
 from validation.study import template
+from validation.study.cases import turned
 from validation.study.files import write_facts, write_text
 from validation.study.metrics import tip_deviation
 from validation.study.partialsolve import partial_path
@@ -61,9 +61,7 @@ class Run:
         contact = Contact(
             stiffness=self.K, exponent=self.k, sliding=sliding, friction=friction, geometry=self.geometry
         )
-        scene = SPRINGS[self.spring]()
-        spring = replace(scene.spring, start_phase=math.radians(self.degrees))
-        return replace(scene, spring=spring, contact=contact)
+        return replace(turned(SPRINGS[self.spring](), self.degrees), contact=contact)
 
     def solved(self) -> EquilibriumPath:
         """Its path, as far as it goes."""

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from scipy.stats import binom
 
+from coilspring.curves import COMPONENTS
 from validation.study import template
 from validation.study.files import write_bytes
 from validation.study.frames import frame_table
@@ -21,7 +22,7 @@ from validation.study.style import BLUE, DOUBLE, GREY, NAVY
 from validation.study.template import significant
 from validation.verification import randomscenes, randomsprings
 from validation.verification.randomscenes import KINDS
-from validation.verification.randomsprings import COMPONENTS, HELIX_FIRST
+from validation.verification.randomsprings import HELIX_FIRST
 
 CLASSES = ("without contact", "none closes", "up to 3 close", "more than 3 close")
 NAMES = {"helix": "helix law", "haringx": "paper's law"}
