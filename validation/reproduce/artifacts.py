@@ -25,8 +25,6 @@ from validation.view.process import Drawing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    Draw = Callable[[pd.DataFrame], Figure]
-
 Files = dict[str, bytes]  # by name
 RENDERING = 60.0  # s at most; a picture takes about one
 
@@ -87,9 +85,9 @@ class Maker:
             figure = draw(figures)
             return drawn(figure, name) if lines else {f"{name}.png": png(figure)}
 
-    def curves(self, name: str, data: pd.DataFrame, drawing: Callable[[ModuleType], Draw]) -> Files:
+    def curves(self, name: str, data: pd.DataFrame) -> Files:
         """Curves as CSV, and the figure that shows them."""
-        picture = self.picture(name, lambda figures: drawing(figures)(data))
+        picture = self.picture(name, lambda figures: figures.CURVES[name](data))
         return {f"{name}.csv": frames.to_csv(data, digits=9)} | picture
 
     def _springs(self, name: str, key: str) -> Files:
@@ -143,14 +141,8 @@ MAKERS: dict[str, Callable[[Maker, bytes], Files]] = {
     "table1": lambda *_: {"table1.csv": report.table1().csv()},
     "table2": lambda *_: {"table2.csv": report.table2().csv()},
     "table3": lambda _, table3: {"table3.csv": table3},
-    "fig5": lambda maker, _: maker.curves(
-        "fig5", both_models(maker.paths, "spring-a", frames.TIPS), lambda figures: figures.tip_figure
-    ),
-    "fig7": lambda maker, _: maker.curves(
-        "fig7", both_models(maker.paths, "spring-b", frames.TIPS[1:2]), lambda figures: figures.load_figure
-    ),
-    "fig8": lambda maker, _: maker.curves(
-        "fig8", iteration_counts(maker.paths), lambda figures: figures.iteration_figure
-    ),
+    "fig5": lambda maker, _: maker.curves("fig5", both_models(maker.paths, "spring-a", frames.TIPS)),
+    "fig7": lambda maker, _: maker.curves("fig7", both_models(maker.paths, "spring-b", frames.TIPS[1:2])),
+    "fig8": lambda maker, _: maker.curves("fig8", iteration_counts(maker.paths)),
     "report": _report,
 }

@@ -103,6 +103,9 @@ def iteration_figure(data: pd.DataFrame) -> Figure:
     return figure
 
 
+CURVES = {"fig5": tip_figure, "fig7": load_figure, "fig8": iteration_figure}
+
+
 def sliding_figure(sticking: EquilibriumPath, free: EquilibriumPath) -> Figure:
     """Wire model of Spring B without sliding, and frictionless as far as it goes."""
     figure = Figure(figsize=(style.SINGLE, 2.6), layout="constrained")
