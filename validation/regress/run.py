@@ -132,14 +132,19 @@ def regress(
                 write_text(baseline / SCENE, scene_text(scene))
             timeratios.write(ratios, baseline)
         finding = Finding(moves, sum(map(len, found.values())), accept, left_out, first)
-        parts = ["# Regression", f"**{finding.verdict}.**", *(f"{line}." for line in left_out)]
-        if kept:
-            origin = ("{date} on {processor}".format(**each) for each in (kept[MODELS[0]]["made"], made()))
-            parts.append("Baselines of {}; compared {}.".format(*origin))
-        if moves:
-            parts.append(str(Table(("run", "quantity", "was", "is", "by how much"), moves)))
-        write_text(out / "regress.md", "\n\n".join(parts) + "\n")
+        write_text(out / "regress.md", _page(finding, kept))
         return finding
+
+
+def _page(finding: Finding, kept: Mapping[str, Mapping[str, Any]] | None) -> str:
+    """The finding as Markdown; `kept`: the baselines, where there were any."""
+    parts = ["# Regression", f"**{finding.verdict}.**", *(f"{line}." for line in finding.left_out)]
+    if kept:
+        origin = ("{date} on {processor}".format(**each) for each in (kept[MODELS[0]]["made"], made()))
+        parts.append("Baselines of {}; compared {}.".format(*origin))
+    if finding.moves:
+        parts.append(str(Table(("run", "quantity", "was", "is", "by how much"), finding.moves)))
+    return "\n\n".join(parts) + "\n"
 
 
 def kept_scenes(folder: Path) -> dict[str, Scene]:
