@@ -49,7 +49,8 @@ from validation.sensitivity.changes import (
 )
 from validation.sensitivity.changes import change as difference
 from validation.sensitivity.inputs import AGAINST, INPUTS, LIKE, NOT_GIVEN, READING, VARIED, inputs_of
-from validation.sensitivity.run import digest, sensitivity
+from validation.sensitivity.page import digest
+from validation.sensitivity.run import sensitivity
 from validation.sensitivity.topheight import TipCurve, raised
 from validation.sensitivity.tornado import draw
 from validation.study import paths

@@ -87,12 +87,12 @@ def sensitivity(arguments: argparse.Namespace, folder: Path, progress: Progress)
     """Vary what the paper leaves open, or inputs of scenes, in both models."""
     scenes = scenes_of(arguments)
     progress(LOADING)
-    from validation.sensitivity import run
+    from validation.sensitivity import changes, page, run
 
     with claimed(folder), writing(folder):
         studies = run.sensitivity(folder, arguments.only, progress, scenes)
-    lines = [line for study in studies for line in run.digest(study)]
-    return [*lines, f"written to {folder}"], run.ended_early(studies)
+    lines = [line for study in studies for line in page.digest(study)]
+    return [*lines, f"written to {folder}"], changes.ended_early(studies)
 
 
 def regress(arguments: argparse.Namespace, folder: Path, progress: Progress) -> Answer:

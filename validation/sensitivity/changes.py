@@ -201,6 +201,12 @@ def worst(data: pd.DataFrame, model: str, kinds: Collection[str]) -> pd.Series:
     return able.loc[able[CURVE].abs().idxmax()]
 
 
+def ended_early(studies: Sequence[Study]) -> str:
+    """Scenes that are left out since no path of theirs reaches full load, in one sentence; or nothing."""
+    left = (f"{study.name}: {'; '.join(study.left_out)}" for study in studies if study.data.empty)
+    return "; ".join(left)
+
+
 def write_csv(studies: Sequence[Study], out: Path) -> None:
     """Write ``sensitivity.csv``; of a prescribed displacement the axial force stands for UY."""
     data = pd.concat([study.data for study in studies], ignore_index=True)[list(COLUMNS)]
