@@ -15,7 +15,7 @@ from validation.study import template
 from validation.study.frames import frame_table
 from validation.study.models import LAWS
 from validation.study.plots import png, styled
-from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RED
+from validation.study.style import BLUE, DOUBLE, LIGHT_RED, NAVY, RED, Look
 from validation.study.tables import Table
 from validation.study.template import significant
 from validation.verification.randompage import CLASSES, cell, errors
@@ -24,7 +24,7 @@ COMPARED = (*LAWS, LAW)
 FEWEST = 5  # springs of a kind, below which it is not named
 NEARER = 0.99  # times another law's error: what is nearer to it counts as equal
 GREEN = "#2e8b57"
-LOOKS: dict[str, dict[str, Any]] = {
+LOOKS: dict[str, Look] = {
     "haringx": {"color": BLUE, "marker": "o", "label": "haringx"},
     "helix": {"color": NAVY, "marker": "D", "label": "helix"},
     LAW: {"color": GREEN, "marker": "*", "markersize": 9.0, "label": "this law"},

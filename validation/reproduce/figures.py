@@ -16,7 +16,7 @@ from coilspring import EquilibriumPath
 from validation.reproduce.curves import CONTACT, TANGENTS
 from validation.study import style
 from validation.study.frames import TIPS
-from validation.study.plots import both, discs
+from validation.study.plots import both, discs, lettered
 from validation.study.style import TIP_LABELS
 from validation.view.shapes import PARTS, PIXELS, Shapes, bands, overlaps, picture_frame, spaces, view
 
@@ -168,7 +168,7 @@ def space_figure(panels: tuple[Shapes, ...], rendered: list[Path] | str) -> Figu
         else:
             axes.imshow(pictures[index], interpolation="antialiased", aspect="auto")
         axes.set_axis_off()
-        axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
+        axes.set_title(lettered(index, len(panels), panel.title), loc="left")
         _scale(figure, index, scale * unit)
     key = [
         Patch(color=style.BLUE, label=style.BEAM_LABEL),
@@ -233,7 +233,7 @@ def plane_figure(panels: tuple[Shapes, ...]) -> Figure:
         axes = _inches(figure, left, 0.75, width * scale, height * scale)
         _circles(axes, panel)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="X (mm)", ylabel="Y (mm)")
-        axes.set_title(f"({'ab'[index]}) {panel.title}", loc="left")
+        axes.set_title(lettered(index, len(panels), panel.title), loc="left")
         detail = _inches(figure, left + width * scale + 0.1, 0.75, DETAIL, DETAIL)
         _detail(axes, detail, panel, panels[0])
     key = [Patch(**look, label=label) for _, label, look in (*CIRCLES[1:], CIRCLES[0])]

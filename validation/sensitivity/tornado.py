@@ -15,7 +15,7 @@ from validation.sensitivity.inputs import AGAINST, OpenInput
 from validation.study.files import write_files
 from validation.study.models import BEAM, MODELS, WIRE
 from validation.study.plots import drawn, lettered, styled
-from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RED, WIRE_LABEL
+from validation.study.style import BEAM_LABEL, BLUE, DOUBLE, RED, WIRE_LABEL, Look
 
 NAME = "sensitivity"
 LEAST = 0.005  # %: inputs that move no model by this much are left out
@@ -23,15 +23,15 @@ ROW, FRAME = 0.215, 0.66  # in: height of an input; of a panel's title and axis
 BAR = 0.34  # of a row
 LABEL = 0.3  # of the bars' range, on either side for the values at their ends
 # the wire model's bars are light and hatched, the beam's dark and plain: they differ without colour
-LOOKS: dict[str, dict[str, Any]] = {
+LOOKS: dict[str, Look] = {
     BEAM: {"facecolor": BLUE, "edgecolor": BLUE, "linewidth": 0.5},
     WIRE: {"facecolor": "#fbd3c4", "edgecolor": RED, "linewidth": 0.5, "hatch": "//////"},
 }
 PLACES = {BEAM: -0.5 * BAR, WIRE: 0.5 * BAR}
 LABELS = {BEAM: BEAM_LABEL, WIRE: WIRE_LABEL}
-END: dict[str, Any] = {"marker": "x", "color": "black", "markersize": 4.0, "markeredgewidth": 1.0}
-STAR: dict[str, Any] = {"marker": "$*$", "color": "black", "markersize": 4.5, "linestyle": "none"}
-BAND: dict[str, Any] = {"facecolor": "#d9d9d9", "edgecolor": "none", "zorder": 0.5}
+END: Look = {"marker": "x", "color": "black", "markersize": 4.0, "markeredgewidth": 1.0}
+STAR: Look = {"marker": "$*$", "color": "black", "markersize": 4.5, "linestyle": "none"}
+BAND: Look = {"facecolor": "#d9d9d9", "edgecolor": "none", "zorder": 0.5}
 VALUE = {"va": "center_baseline", "fontsize": 6.5, "zorder": 5.0}
 HATCH: dict[str, Any] = {"hatch.linewidth": 0.6}
 
@@ -123,5 +123,5 @@ def _values(axes: Axes, row: int, changes: pd.DataFrame) -> None:
         change = changes.loc[reach.idxmax()]
         models = changes.loc[changes["value"] == change["value"], "model"]
         place = (change[CURVE], row + models.map(PLACES).mean())
-        look: dict[str, Any] = {"ha": "left" if side > 0.0 else "right"} | VALUE
+        look: Look = {"ha": "left" if side > 0.0 else "right"} | VALUE
         axes.annotate(change["value"], place, xytext=(3.0 * side, 0.0), textcoords="offset points", **look)

@@ -60,11 +60,11 @@ def digest(files: Iterable[Path]) -> str:
 def _code(source: bytes) -> bytes:
     """Digest of what a Python source does."""
     words: list[str] = []
-    _tell(ast.parse(source), words)
+    _append(ast.parse(source), words)
     return hashlib.sha256(" ".join(words).encode()).digest()
 
 
-def _tell(part: object, words: list[str]) -> None:
+def _append(part: object, words: list[str]) -> None:
     """Append a syntax tree in words, without places and without strings that stand alone, as docstrings do.
 
     What is empty is left out: later versions of Python add fields.
@@ -75,12 +75,12 @@ def _tell(part: object, words: list[str]) -> None:
             value = getattr(part, name)
             if value is not None and value != []:
                 words.append(name)
-                _tell(value, words)
+                _append(value, words)
         words.append(";")
     elif isinstance(part, list):
         for each in part:
             if not _stands_alone(each):
-                _tell(each, words)
+                _append(each, words)
         words.append("]")
     else:
         words.append(repr(part))

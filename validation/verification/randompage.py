@@ -3,7 +3,6 @@
 import math
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,7 +17,7 @@ from validation.study.files import write_bytes
 from validation.study.frames import frame_table
 from validation.study.metrics import CONFIDENCE
 from validation.study.plots import png, styled
-from validation.study.style import BLUE, DOUBLE, GREY, NAVY
+from validation.study.style import BLUE, DOUBLE, GREY, NAVY, Look
 from validation.study.template import significant
 from validation.verification import randomscenes, randomsprings
 from validation.verification.randomscenes import KINDS
@@ -33,11 +32,11 @@ TITLES |= {"slenderness": "L/D", "phase": "phase", "closed": "closed", "wire": "
 TITLES |= {"reference": "half the pairs", "helix_steps": "steps"}
 TITLES |= {f"{law}_vector": law for law in HELIX_FIRST}
 FILE = Path("reports/errorbudget/randomsprings.png")
-LOOKS: dict[str, dict[str, Any]] = {
+LOOKS: dict[str, Look] = {
     "helix": {"color": NAVY, "marker": "D", "label": "helix law, median to 95th percentile"},
     "haringx": {"color": BLUE, "marker": "o", "label": "paper's law, likewise"},
 }
-SPRING: dict[str, Any] = {"color": GREY, "marker": ".", "linestyle": "none", "markersize": 2.4}
+SPRING: Look = {"color": GREY, "marker": ".", "linestyle": "none", "markersize": 2.4}
 SPRING |= {"alpha": 0.6, "markeredgewidth": 0}
 PANELS = (("(a) no pair closes", CLASSES[:2]), ("(b) pairs close", CLASSES[2:]))
 BESIDE, SPREAD = 0.19, 0.11  # of a law from the middle of its row, and of single springs around it
