@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import pickle
 import subprocess
@@ -246,8 +247,10 @@ READS = {
 
 
 @pytest.mark.parametrize("source", READS.values(), ids=READS)
-def test_laws_that_read_other_code_are_other_laws(source):
-    """As in a notebook, in which a class is defined again under its name."""
+def test_laws_that_read_other_code_are_other_laws(source, monkeypatch):
+    """As in a notebook, in which a class is defined again under its name; also where what runs is a module of
+    Python, as under its profiler."""
+    monkeypatch.setitem(sys.modules, "__main__", json)
 
     def law(factor):
         space = {"__name__": "__main__", "base": law_that_reads({"factor": 1.0}).parameters}

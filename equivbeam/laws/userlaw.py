@@ -211,7 +211,12 @@ def _state(value: Any, kind: str) -> str:
 
 @cache
 def _is_installed(module: str) -> bool:
-    """Whether a module is of Python or of an installed package, whose functions do not change."""
+    """Whether a module is of Python or of an installed package, whose functions do not change.
+
+    Never `__main__`: under ``python -m cProfile script.py`` that is the profiler, not the script.
+    """
+    if module == "__main__":
+        return False
     file = getattr(sys.modules.get(module), "__file__", None)
     if file is None:
         return module in sys.builtin_module_names
