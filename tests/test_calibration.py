@@ -430,6 +430,20 @@ def test_the_difference_is_counted_as_by_hand(bench):
     assert [line.get_xdata().size for line in axes[0].get_lines()] == [80, 301]
 
 
+def test_a_last_point_that_exceeds_the_load_in_its_last_digits_is_compared():
+    """As after a conversion of units in ten digits: it was left out, the one that differed most."""
+    found = equivbeam.solve(GUIDED, steps=300)
+    deflection, force = along_load(found)
+    rows = [100, 200, 300]
+    for excess, points in ((1e-9, 3), (1e-5, 2)):
+        sizes = force[rows] * [1.0, 1.0, 1.0 + excess]
+        one = difference(
+            found, measured({"force": sizes, "deflection": deflection[rows] + [0.0, 0.0, 0.1]}, GUIDED)
+        )
+        assert (one["points"], one["beyond"]) == (points, 3 - points)
+        assert one["max"] == pytest.approx(0.1 / deflection[-1] if points == 3 else 0.0, rel=0.01, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("load", "equal"),
     [

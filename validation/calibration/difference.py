@@ -12,6 +12,7 @@ from coilspring.measured import MOST_STEPS, Measured, equal_steps
 from coilspring.scene.load import stage_ends
 from coilspring.words import counted
 
+BEYOND = 1e-6  # share of a path's last load by which a measured point may exceed it: digits of a file
 FAR = 0.1  # rms difference, over the peak, of curves that may not be of one spring
 
 
@@ -57,7 +58,7 @@ def differences(path: EquilibriumPath, curve: Measured) -> tuple[np.ndarray, np.
     (given, answer), (mine, theirs) = model[::turn], measurement[::turn]
     # of a history of several stages what loads further than before
     loading = np.append(True, given[1:] > np.maximum.accumulate(given)[:-1])
-    reached = (mine >= 0.0) & (mine <= given[loading][-1] * (1.0 + 1e-12))
+    reached = (mine >= 0.0) & (mine <= given[loading][-1] * (1.0 + BEYOND))
     found = np.interp(mine[reached], given[loading], answer[loading])
     return curve.deflection[reached], (found - theirs[reached]) / np.abs(theirs).max()
 
