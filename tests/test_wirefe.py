@@ -416,6 +416,26 @@ def test_traced_coils_that_penetrate_are_said_to():
     assert f"coils penetrate by {depth:.2f} wire diameters" in path.message
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "why"),
+    [(1e8, "485 E d: above 100 E d rounding may end a path"), (1e4, ""), (1e-7, "4.85e-13 E d: too low for")],
+)
+def test_contact_too_hard_or_too_soft_for_plates_is_named_where_a_path_ends(stiffness, why):
+    slender = Scene(
+        name="slender",
+        spring=Spring(wire_diameter=1.0, mean_diameter=(8.0, 8.0), active_coils=12.0, active_height=60.0),
+        load=Load(force=(0.0, -40.0), steps=1),
+        supports=Supports(top_held=(), seat="plate"),
+        contact=Contact(stiffness=stiffness),
+    )
+    for seat, said in (("plate", why), ("rigid", "")):
+        scene = replace(slender, supports=replace(slender.supports, seat=seat))
+        path = partial_path(wirefe.solve, scene, element="curved", elements_per_turn=4)
+        assert path.outcome != "completed" or seat == "rigid"
+        assert (" E d: " in path.message) == bool(said)
+        assert f"; but the contact stiffness is {said}" in path.message or not said
+
+
 def test_coils_beyond_an_end_are_measured_from_its_tip_and_along_its_axis():
     """Upside down, and as both ends are mirrored, the same coils are beyond the top."""
     for diameters in ((24.0, 8.0), (8.0, 24.0)):
