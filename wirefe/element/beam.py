@@ -19,22 +19,25 @@ The Hessian is that along the exponential map, hence symmetric; docs/theory.md d
 
 import numpy as np
 
-from coilspring.compiling.compiled import arithmetic, kernel
-from wirefe.element.algebra import added, block, cross, lever, mixed, plus, product, put, skew
+from coilspring.compiling.compiled import arithmetic, kernel, zeros
+from wirefe.element.algebra import added, block, cross, lever, product, put, skew
 from wirefe.element.elastic import elastic, stiffness
-from wirefe.element.hessian import LANES, give, hessian_tables, hessians
-from wirefe.element.measure import deformed, forces, strain, stretched
+from wirefe.element.hessian import FOUND, GIVEN, give_forces, give_stiffness, gradients, hessians
+from wirefe.element.lanes import LANES, get_three
+from wirefe.element.measure import MEASURED, STRAIN, measure
 from wirefe.element.poses import three
-from wirefe.element.rotations import turned
 
 
 @kernel
 def deformations(state, arm, triads, e):
     """Deformation measures (v, theta) of all elements, shape (n, 6), before e0 is taken off."""
-    for n in range(len(triads)):
-        _, q, f, th, u = strain(state, n, triads, arm)
-        e[n, 0], e[n, 1], e[n, 2] = stretched(q, f, th, u)
-        e[n, 3], e[n, 4], e[n, 5] = th
+    table = np.empty(MEASURED * LANES)
+    for begin in range(0, len(triads), LANES):
+        size = min(LANES, len(triads) - begin)
+        measure(table, state, triads, arm, begin, size)
+        for n in range(size):
+            for i in range(6):
+                e[begin + n, i] = table[LANES * (STRAIN + i) + n]
 
 
 @arithmetic
@@ -53,42 +56,36 @@ def beams(state, arm, triads, e0, K, Q, g, H):
     Q : (n, 6, 36), symmetric in its last two sixes; (0, 6, 36) where eta = e.
     """
     energy, A, now = 0.0, np.empty((6, 6)), np.empty((6, 6))
-    given, found = hessian_tables(min(len(H), 1))
-    for n in range(len(triads)):
-        shape = strain(state, n, triads, arm)
-        M, q, f, th, u = shape
-        work, s, v, y = elastic(deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
-        energy += work
-        _, N, _, Pm, C, X = forces(q, f, th, u, v, y)
-        _gradient(M, N, C, Pm, X, f[3], g[n])
-        if n < len(H):
-            stiffness(K[n], Q, n, s, A, now)
-            give(given, n % LANES, shape, v, y, now)
-            if n % LANES == LANES - 1 or n == len(H) - 1:
-                hessians(given, found, H[n - n % LANES : n + 1])
+    table, found = zeros(GIVEN * LANES), np.empty(FOUND * LANES)
+    for begin in range(0, len(triads), LANES):
+        size = min(LANES, len(triads) - begin)
+        measure(table, state, triads, arm, begin, size)
+        for n in range(size):
+            e = begin + n
+            work, s, v, y = elastic(_less(table, n, e0[e]), K[e], Q, e, A)
+            energy += work
+            give_forces(table, n, v, y)
+            if e < len(H):
+                stiffness(K[e], Q, e, s, A, now)
+                give_stiffness(table, n, now)
+        gradients(table, found, g[begin : begin + size])
+        if begin < len(H):
+            hessians(table, found, H[begin : begin + size])
     return energy
+
+
+@arithmetic
+def _less(table, n, e0):
+    """e of an element."""
+    v, theta = get_three(table, STRAIN, n), get_three(table, STRAIN + 3, n)
+    return v[0] - e0[0], v[1] - e0[1], v[2] - e0[2], theta[0] - e0[3], theta[1] - e0[4], theta[2] - e0[5]
 
 
 @kernel
 def end_forces(states, arm, triads, e0, K, Q, g):
     """Fill the gradients g (states, n, 12) of all elements: what acts on their ends; see `beams`."""
-    A = np.empty((6, 6))
     for i in range(len(states)):
-        for n in range(len(triads)):
-            M, q, f, th, u = strain(states[i], n, triads, arm)
-            _, _, v, y = elastic(deformed(q, f, th, u, e0[n]), K[n], Q, n, A)
-            _, N, _, Pm, C, X = forces(q, f, th, u, v, y)
-            _gradient(M, N, C, Pm, X, f[3], g[i, n])
-
-
-@arithmetic
-def _gradient(M, N, C, Pm, X, tau, g):
-    """Gradient (12,) from the forces in the half-way frame `M`."""
-    force, mean, bend = turned(M, N), turned(M, C), turned(M, plus(Pm, 0.5 * tau, X))
-    g[0], g[1], g[2] = -force[0], -force[1], -force[2]
-    g[6], g[7], g[8] = force[0], force[1], force[2]
-    g[3], g[4], g[5] = mixed(0.5, mean, -1.0, bend)
-    g[9], g[10], g[11] = mixed(0.5, mean, 1.0, bend)
+        beams(states[i], arm, triads, e0, K, Q, g[i], np.empty((0, 12, 12)))
 
 
 @arithmetic

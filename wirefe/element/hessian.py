@@ -1,15 +1,8 @@
-"""Hessians of elements, of several at a time; see `wirefe.element.beam` for the symbols.
-
-The numbers of `LANES` elements stand side by side, so that one instruction of the processor treats those of
-four: three times as fast as one after the other. The compiler sees this where the place of a number is its
-row times a constant, and the number of elements is not one.
-"""
+"""Gradients and Hessians of elements, of several at a time; see `wirefe.element.beam` for the symbols."""
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from coilspring.compiling.compiled import arithmetic, zeros
+from coilspring.compiling.compiled import arithmetic
 from wirefe.element.algebra import (
     added,
     block,
@@ -24,13 +17,13 @@ from wirefe.element.algebra import (
     skew,
     transposed,
 )
-from wirefe.element.measure import forces
-from wirefe.element.rotations import matrix
+from wirefe.element.lanes import LANES, get_four, get_nine, get_three, put_nine, put_three, wide
+from wirefe.element.measure import ANGLE, CHORD, MEASURED, SQUARE, STRETCH, TURN, forces
+from wirefe.element.rotations import matrix, turned
 
-LANES, WIDTH = 8, 4  # elements side by side, and how many of them an instruction treats
-# Rows of what is given: of `Strain` (M, q, f, theta, u), the forces dU/dv and dU/dtheta, and the stiffness.
-TURN, SQUARE, STRETCH, ANGLE, CHORD, FORCE, STIFF = 0, 4, 5, 10, 13, 16, 22
-GIVEN, FOUND = 49, 54  # rows
+# Rows of what is given besides what is measured: the forces dU/dv and dU/dtheta, and the stiffness.
+FORCE, STIFF = MEASURED, MEASURED + 6
+GIVEN, FOUND = MEASURED + 33, 54  # rows
 
 
 class Blocks(NamedTuple):
@@ -45,64 +38,57 @@ class Blocks(NamedTuple):
 
 
 @arithmetic
-def _three(table, i, n):
-    """Three rows of the n-th element."""
-    return table[LANES * i + n], table[LANES * (i + 1) + n], table[LANES * (i + 2) + n]
+def give_forces(given, n, v, y):
+    """Give what the n-th gradient is made of."""
+    put_three(given, FORCE, n, v)
+    put_three(given, FORCE + 3, n, y)
 
 
 @arithmetic
-def _four(table, i, n):
-    """Four rows."""
-    return *_three(table, i, n), table[LANES * (i + 3) + n]
+def give_stiffness(given, n, K):
+    """Give what the n-th Hessian is made of besides."""
+    put_nine(given, STIFF, n, block(K, 0, 0))
+    put_nine(given, STIFF + 9, n, block(K, 0, 3))
+    put_nine(given, STIFF + 18, n, block(K, 3, 3))
 
 
 @arithmetic
-def _nine(table, i, n):
-    """A matrix, in nine rows."""
-    return *_three(table, i, n), *_three(table, i + 3, n), *_three(table, i + 6, n)
+def _given(given, n):
+    """Numbers of an element: theta^2, `stretch_functions`, theta, and its forces."""
+    q, f = given[LANES * SQUARE + n], (*get_four(given, STRETCH, n), given[LANES * (STRETCH + 4) + n])
+    th, u = get_three(given, ANGLE, n), get_three(given, CHORD, n)
+    acting = forces(q, f, th, u, get_three(given, FORCE, n), get_three(given, FORCE + 3, n))
+    return q, f, th, u, acting
 
 
 @arithmetic
-def _put_three(table, i, n, a):
-    """Write three rows."""
-    table[LANES * i + n], table[LANES * (i + 1) + n], table[LANES * (i + 2) + n] = a
+def gradients(given, found, g):
+    """Fill the gradients g (n, 12) of the elements given last."""
+    for n in range(wide(len(g))):
+        _gradient(given, n, found)
+    for n in range(len(g)):
+        force = get_three(found, 0, n)
+        g[n, 0], g[n, 1], g[n, 2] = -force[0], -force[1], -force[2]
+        g[n, 3], g[n, 4], g[n, 5] = get_three(found, 3, n)
+        g[n, 6], g[n, 7], g[n, 8] = force
+        g[n, 9], g[n, 10], g[n, 11] = get_three(found, 6, n)
 
 
 @arithmetic
-def _put_nine(table, i, n, A):
-    """Write a matrix into nine rows."""
-    p = LANES * i + n
-    table[p], table[p + LANES], table[p + 2 * LANES] = A[0], A[1], A[2]
-    table[p + 3 * LANES], table[p + 4 * LANES], table[p + 5 * LANES] = A[3], A[4], A[5]
-    table[p + 6 * LANES], table[p + 7 * LANES], table[p + 8 * LANES] = A[6], A[7], A[8]
-
-
-@arithmetic
-def hessian_tables(wanted):
-    """Tables of what is given of elements and found of their Hessians, empty unless wanted."""
-    return zeros(wanted * GIVEN * LANES), np.empty(wanted * FOUND * LANES)
-
-
-@arithmetic
-def give(given, n, strain, v, y, K):
-    """Give what the n-th Hessian is made of."""
-    M, q, f, th, u = strain
-    _put_nine(given, TURN, n, (*M, q, f[0], f[1], f[2], f[3]))
-    given[LANES * (STRETCH + 4) + n] = f[4]
-    _put_three(given, ANGLE, n, th)
-    _put_three(given, CHORD, n, u)
-    _put_three(given, FORCE, n, v)
-    _put_three(given, FORCE + 3, n, y)
-    _put_nine(given, STIFF, n, block(K, 0, 0))
-    _put_nine(given, STIFF + 9, n, block(K, 0, 3))
-    _put_nine(given, STIFF + 18, n, block(K, 3, 3))
+def _gradient(given, n, found):
+    """One gradient: the force on the second end, and the moments on the first and the second."""
+    _, f, _, _, acting = _given(given, n)
+    M = get_four(given, TURN, n)
+    mean, bend = turned(M, acting.C), turned(M, plus(acting.Pm, 0.5 * f[3], acting.X))
+    put_three(found, 0, n, turned(M, acting.N))
+    put_three(found, 3, n, mixed(0.5, mean, -1.0, bend))
+    put_three(found, 6, n, mixed(0.5, mean, 1.0, bend))
 
 
 @arithmetic
 def hessians(given, found, H):
-    """Fill the Hessians H (n, 12, 12) of the elements given last. What an instruction treats beyond them is
-    zero, or of elements before, and not read."""
-    for n in range((len(H) + WIDTH - 1) // WIDTH * WIDTH):
+    """Fill the Hessians H (n, 12, 12) of the elements given last."""
+    for n in range(wide(len(H))):
         _hessian(given, n, found)
     for n in range(len(H)):
         _put_ends(found, n, H[n])
@@ -111,7 +97,7 @@ def hessians(given, found, H):
 @arithmetic
 def _put_ends(found, n, H):
     """Write the blocks of a Hessian (12, 12)."""
-    rr, left, right = _nine(found, 0, n), _nine(found, 9, n), _nine(found, 18, n)
+    rr, left, right = get_nine(found, 0, n), get_nine(found, 9, n), get_nine(found, 18, n)
     put(H, 0, 0, rr)
     put(H, 6, 6, rr)
     put(H, 6, 0, scaled(-1.0, rr))
@@ -119,9 +105,9 @@ def _put_ends(found, n, H):
     put(H, 6, 3, scaled(-1.0, left))
     put(H, 6, 9, right)
     put(H, 0, 9, scaled(-1.0, right))
-    put(H, 3, 3, _nine(found, 27, n))
-    put(H, 9, 9, _nine(found, 36, n))
-    put(H, 3, 9, _nine(found, 45, n))
+    put(H, 3, 3, get_nine(found, 27, n))
+    put(H, 9, 9, get_nine(found, 36, n))
+    put(H, 3, 9, get_nine(found, 45, n))
 
 
 @arithmetic
@@ -144,9 +130,7 @@ def _derivatives(q, f, th, u, s):
 @arithmetic
 def _hessian(given, n, found):
     """One Hessian: blocks in the half-way frame's (rho, mu, w), then in the dofs of the ends."""
-    q, f = given[LANES * SQUARE + n], (*_four(given, STRETCH, n), given[LANES * (STRETCH + 4) + n])
-    th, u = _three(given, ANGLE, n), _three(given, CHORD, n)
-    s, N, m, Pm, C, X = forces(q, f, th, u, _three(given, FORCE, n), _three(given, FORCE + 3, n))
+    q, f, th, u, (s, N, m, Pm, C, X) = _given(given, n)
     c, c1, tau, tau1 = f[0], f[1], f[3], f[4]
     P, V, W, G = _derivatives(q, f, th, u, s)
     S = skew(u, 1.0)
@@ -164,14 +148,18 @@ def _hessian(given, n, found):
     half = added(half, 1.0, outer(1.0, th, bend))
     ww = added(added(ww, 1.0, half), 1.0, transposed(half))
     ww = added(added(ww, 1.0, G), -c * dot(m, th), P)
-    M = matrix(_four(given, TURN, n))
+    M = matrix(get_four(given, TURN, n))
     _spread(M, skew(th, -0.5 * tau), Blocks(rr, rm, rw, mm, mw, ww), found, n)
 
 
 @arithmetic
 def _material(P, T, V, given, n):
     """Blocks of D^T K D: dv = P rho + T mu + V w, dtheta = P w."""
-    stiff, mutual, last = _nine(given, STIFF, n), _nine(given, STIFF + 9, n), _nine(given, STIFF + 18, n)
+    stiff, mutual, last = (
+        get_nine(given, STIFF, n),
+        get_nine(given, STIFF + 9, n),
+        get_nine(given, STIFF + 18, n),
+    )
     slide = product(stiff, T)
     force = added(product(stiff, V), 1.0, product(mutual, P))
     moment = added(product(transposed(mutual), V), 1.0, product(last, P))
@@ -201,9 +189,9 @@ def _spread(M, S, blocks, found, n):
     mm, mw, ww = product(M, product(mm, Mt)), product(M, product(mw, Mt)), product(M, product(ww, Mt))
     turn = transposed(mw)
     same, apart = added(ww, 0.25, mm), added(scaled(0.25, mm), -1.0, ww)
-    _put_nine(found, 0, n, rr)
-    _put_nine(found, 9, n, added(rw, -0.5, rm))
-    _put_nine(found, 18, n, added(rw, 0.5, rm))
-    _put_nine(found, 27, n, added(added(same, -0.5, mw), -0.5, turn))
-    _put_nine(found, 36, n, added(added(same, 0.5, mw), 0.5, turn))
-    _put_nine(found, 45, n, added(added(apart, 0.5, mw), -0.5, turn))
+    put_nine(found, 0, n, rr)
+    put_nine(found, 9, n, added(rw, -0.5, rm))
+    put_nine(found, 18, n, added(rw, 0.5, rm))
+    put_nine(found, 27, n, added(added(same, -0.5, mw), -0.5, turn))
+    put_nine(found, 36, n, added(added(same, 0.5, mw), 0.5, turn))
+    put_nine(found, 45, n, added(added(apart, 0.5, mw), -0.5, turn))

@@ -5,18 +5,28 @@ from typing import Any, NamedTuple
 
 from coilspring.compiling.compiled import arithmetic
 from wirefe.element.algebra import cross, dot, mixed, plus
-from wirefe.element.poses import pose, three
-from wirefe.element.rotations import conjugate, stretch_functions, times
+from wirefe.element.lanes import (
+    ENDS,
+    FIRST,
+    HIGH,
+    LANES,
+    LOW,
+    SECOND,
+    SPAN,
+    get_four,
+    get_three,
+    give_ends,
+    put_four,
+    put_three,
+    wide,
+)
+from wirefe.element.rotations import conjugate, half_way, stretch_functions, times, turned
 
-
-class Strain(NamedTuple):
-    """How an element is deformed; vectors and matrices are tuples, which stay in registers."""
-
-    M: Any  # half-way frame, a quaternion
-    q: Any  # theta^2
-    f: Any  # `stretch_functions`
-    th: Any  # theta
-    u: Any
+# Rows of what is measured, see `wirefe.element.lanes`: half-way frame M, a quaternion; theta^2;
+# `stretch_functions`; theta; u; (v, theta). Then cos a, and sin a times the axis; sin a, and a = theta/2.
+TURN, SQUARE, STRETCH, ANGLE, CHORD, STRAIN = ENDS, ENDS + 4, ENDS + 5, ENDS + 10, ENDS + 13, ENDS + 16
+BETWEEN, SINE, HALF = ENDS + 22, ENDS + 26, ENDS + 27
+MEASURED = ENDS + 28  # rows
 
 
 class Forces(NamedTuple):
@@ -31,34 +41,58 @@ class Forces(NamedTuple):
 
 
 @arithmetic
-def strain(state, n, triads, arm):
-    """`Strain` of the n-th element; relative rotations reach to 180 degrees.
+def pose(table, n):
+    """Pose of an element: its end frames, the second with the sign of the shorter way, the frame half way,
+    and the chord there."""
+    p1 = times(get_four(table, LOW, n), get_four(table, FIRST, n))
+    m, p2 = half_way(p1, times(get_four(table, HIGH, n), get_four(table, SECOND, n)))
+    return p1, p2, m, turned(conjugate(m), get_three(table, SPAN, n))
 
-    The wire's end stands off from the last node by `arm`.
-    """
-    last = n == len(triads) - 1
-    p1, p2, M, u, _ = pose(state, n, triads[n], three(arm, 0) if last else (0.0, 0.0, 0.0))
-    # cos a, and sin a times the axis, which is the same in R1, M and R2; a = theta/2
+
+@arithmetic
+def measure(table, state, triads, arm, begin, size):
+    """Measure how `size` elements, from the one at `begin` on, are deformed; relative rotations reach to 180
+    degrees."""
+    for n in range(wide(size)):
+        give_ends(table, n, state, triads, arm, min(begin + n, len(triads) - 1))
+    for n in range(wide(size)):
+        _turn(table, n)
+    for n in range(wide(size)):  # the library's function takes one number
+        table[LANES * HALF + n] = math.atan2(table[LANES * SINE + n], table[LANES * BETWEEN + n])
+    for n in range(wide(size)):
+        _deform(table, n)
+
+
+@arithmetic
+def _turn(table, n):
+    """Relative rotation of an element's ends, and its chord."""
+    p1, p2, M, u = pose(table, n)
     h = times(conjugate(p1), p2)
-    sin_a = math.sqrt(h[1] * h[1] + h[2] * h[2] + h[3] * h[3])
-    a = math.atan2(sin_a, h[0])
-    twice = 2.0 * a / sin_a if sin_a > 0.0 else 2.0
-    q = 4.0 * a * a
+    put_four(table, TURN, n, M)
+    put_three(table, CHORD, n, u)
+    put_four(table, BETWEEN, n, h)
+    table[LANES * SINE + n] = math.sqrt(h[1] * h[1] + h[2] * h[2] + h[3] * h[3])
+
+
+@arithmetic
+def _deform(table, n):
+    """How an element is deformed, from the angle of that rotation."""
+    h, sin_a, a = get_four(table, BETWEEN, n), table[LANES * SINE + n], table[LANES * HALF + n]
+    twice, q = 2.0 * a / sin_a if sin_a > 0.0 else 2.0, 4.0 * a * a
     th = (twice * h[1], twice * h[2], twice * h[3])
-    return Strain(M, q, stretch_functions(q, a, sin_a, h[0]), th, u)
+    f = stretch_functions(q, a, sin_a, h[0])
+    table[LANES * SQUARE + n] = q
+    put_three(table, STRETCH, n, (f[0], f[1], f[2]))
+    table[LANES * (STRETCH + 3) + n], table[LANES * (STRETCH + 4) + n] = f[3], f[4]
+    put_three(table, ANGLE, n, th)
+    put_three(table, STRAIN, n, stretched(q, f, th, get_three(table, CHORD, n)))
+    put_three(table, STRAIN + 3, n, th)
 
 
 @arithmetic
 def stretched(q, f, th, x):
     """P x."""
     return mixed(1.0 + f[0] * q, x, -f[0] * dot(th, x), th)
-
-
-@arithmetic
-def deformed(q, f, th, u, e0):
-    """e of one element."""
-    v = stretched(q, f, th, u)
-    return v[0] - e0[0], v[1] - e0[1], v[2] - e0[2], th[0] - e0[3], th[1] - e0[4], th[2] - e0[5]
 
 
 @arithmetic

@@ -18,7 +18,20 @@ import numpy as np
 
 from coilspring.compiling.compiled import arithmetic, clear, zeros
 from wirefe.element.algebra import cross, plus
-from wirefe.element.poses import ROW, four, pose, three
+from wirefe.element.lanes import (
+    ENDS,
+    FIRST,
+    LANES,
+    SECOND,
+    get_four,
+    get_three,
+    give_ends,
+    put_four,
+    put_three,
+    wide,
+)
+from wirefe.element.measure import pose
+from wirefe.element.poses import ROW, four, three
 from wirefe.element.rotations import (
     conjugate,
     exponential,
@@ -29,6 +42,20 @@ from wirefe.element.rotations import (
     turned,
     unit,
 )
+
+# Rows of what a step does to an element, see `wirefe.element.lanes`: how it moves the ends apart, turns one
+# against the other, and both; half the relative rotation, the chord, and how these change; as the first node
+# sees them, the chord and the rotation of the second node.
+MOVED, APART, BOTH, HALF, CHORD, TURN, LONGER = (
+    ENDS,
+    ENDS + 3,
+    ENDS + 6,
+    ENDS + 9,
+    ENDS + 13,
+    ENDS + 16,
+    ENDS + 19,
+)
+AHEAD, ROTATION, ROWS = ENDS + 22, ENDS + 25, ENDS + 29
 
 
 class Move(NamedTuple):
@@ -84,54 +111,83 @@ def _literal(state, move, n):
 
 
 @arithmetic
-def _deformation(state, e, triads, arm):
-    """Half-way frame of an element, turned back; half its relative rotation; chord there; arm: see `pose`."""
-    p1, _, m, u, r = pose(state, e, triads, arm)
-    return conjugate(m), times(conjugate(p1), m), u, r
+def _give_step(table, n, step, e, r):
+    """Give the n-th element how a step moves its ends; `r` is its arm, see `give_ends`."""
+    i, j = 6 * e, 6 * e + 6
+    spin1, spin2 = three(step, i + 3), three(step, j + 3)
+    put_three(table, MOVED, n, plus(plus(three(step, j), -1.0, three(step, i)), 1.0, cross(spin2, r)))
+    put_three(table, APART, n, plus(spin2, -1.0, spin1))
+    put_three(table, BOTH, n, plus(spin1, 1.0, spin2))
 
 
 @arithmetic
-def _rates(step, e, back, h, u, r):
-    """Rates of an element's deformation along a step: du and w."""
-    i, j = 6 * e, 6 * e + 6
-    spin1, spin2 = three(step, i + 3), three(step, j + 3)
-    moved = plus(plus(three(step, j), -1.0, three(step, i)), 1.0, cross(spin2, r))
-    w = turned(back, plus(spin2, -1.0, spin1))
-    mean = turned(back, plus(spin1, 1.0, spin2))
+def _deform(table, n, factor):
+    """How an element is deformed, and how that changes by `factor` times the step: du and w."""
+    p1, _, m, u = pose(table, n)
+    back, h = conjugate(m), times(conjugate(p1), m)
+    w, mean = turned(back, get_three(table, APART, n)), turned(back, get_three(table, BOTH, n))
     half = 0.5 / h[0]  # of h's vector: tau/2 theta, half of tan(theta/4) along the axis of theta
     slip = cross((half * h[1], half * h[2], half * h[3]), w)
     mu = (0.5 * mean[0] - slip[0], 0.5 * mean[1] - slip[1], 0.5 * mean[2] - slip[2])
-    return plus(turned(back, moved), 1.0, cross(u, mu)), w
+    du = plus(turned(back, get_three(table, MOVED, n)), 1.0, cross(u, mu))
+    put_four(table, HALF, n, h)
+    put_three(table, CHORD, n, u)
+    put_three(table, TURN, n, (factor * w[0], factor * w[1], factor * w[2]))
+    put_three(table, LONGER, n, (factor * du[0], factor * du[1], factor * du[2]))
+
+
+@arithmetic
+def _bend(table, earlier, n, factor):
+    """It changes further, by `factor` times the deformation at an earlier state less the present one."""
+    p1, _, m, ub = pose(earlier, n)
+    back, hb = conjugate(get_four(table, HALF, n)), times(conjugate(p1), m)
+    b = times(times(back, hb), times(hb, back))  # exp(theta) = h exp(b) h at the earlier state
+    put_three(table, TURN, n, plus(get_three(table, TURN, n), 2.0 * factor / b[0], (b[1], b[2], b[3])))
+    longer = plus(ub, -1.0, get_three(table, CHORD, n))
+    put_three(table, LONGER, n, plus(get_three(table, LONGER, n), factor, longer))
+
+
+@arithmetic
+def _look_ahead(table, n):
+    """What the first node sees of the element once it is deformed."""
+    h, turn = get_four(table, HALF, n), get_three(table, TURN, n)
+    t = times(times(h, (1.0, 0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2])), h)
+    # its length kept, or rounding would grow
+    middle, q = half_way((1.0, 0.0, 0.0, 0.0), unit(t[0], t[1], t[2], t[3]))
+    first, chord = (
+        get_four(table, FIRST, n),
+        plus(get_three(table, CHORD, n), 1.0, get_three(table, LONGER, n)),
+    )
+    put_three(table, AHEAD, n, turned(first, turned(middle, chord)))
+    put_four(table, ROTATION, n, times(times(first, q), conjugate(get_four(table, SECOND, n))))
 
 
 @arithmetic
 def place(triads, arm, state, move, out):
     """Place all nodes in `out`, as if none were held but the first; see `beams` for `triads` and `arm`."""
-    count = len(triads)
+    count, bends = len(triads), move.second != 0.0
+    table, earlier = np.empty(ROWS * LANES), np.empty((ENDS if bends else 0) * LANES)
     x, q = _literal(state, move, 0)
     _put(out, 0, x, q)
-    for e in range(count):
-        first, second = four(triads[e, 0], 0), four(triads[e, 1], 0)
-        stand = (arm[0], arm[1], arm[2]) if e == count - 1 else (0.0, 0.0, 0.0)
-        back, h, u, r = _deformation(state, e, triads[e], stand)
-        du, w = _rates(move.step, e, back, h, u, r)
-        turn = (move.first * w[0], move.first * w[1], move.first * w[2])
-        chord = plus(u, move.first, du)
-        if move.second != 0.0:
-            _, hb, ub, _ = _deformation(move.before, e, triads[e], stand)
-            half = times(conjugate(h), hb)
-            other = times(hb, conjugate(h))
-            b = times(half, other)  # exp(theta) = h exp(b) h at the earlier state
-            turn = plus(turn, 2.0 * move.second / b[0], (b[1], b[2], b[3]))
-            chord = plus(chord, move.second, plus(ub, -1.0, u))
-        # the new frames, on the end of the element before; its length kept, or rounding would grow
-        p1 = times(q, first)
-        t = times(times(h, (1.0, 0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2])), h)
-        p2 = times(p1, unit(t[0], t[1], t[2], t[3]))
-        m, _ = half_way(p1, p2)
-        q = times(p2, conjugate(second))
-        x = plus(x, 1.0, turned(m, chord))
-        _put(out, e + 1, plus(x, -1.0, turned(q, stand)), q)
+    for begin in range(0, count, LANES):
+        size = min(LANES, count - begin)
+        for n in range(wide(size)):
+            e = min(begin + n, count - 1)
+            r = give_ends(table, n, state, triads, arm, e)
+            _give_step(table, n, move.step, e, r)
+        for n in range(wide(size)):
+            _deform(table, n, move.first)
+        if bends:
+            for n in range(wide(size)):
+                give_ends(earlier, n, move.before, triads, arm, min(begin + n, count - 1))
+            for n in range(wide(size)):
+                _bend(table, earlier, n, move.second)
+        for n in range(wide(size)):
+            _look_ahead(table, n)
+        for n in range(size):
+            x, q = plus(x, 1.0, turned(q, get_three(table, AHEAD, n))), times(q, get_four(table, ROTATION, n))
+            _put(out, begin + n + 1, x, q)
+    _put(out, count, plus(x, -1.0, turned(q, (arm[0], arm[1], arm[2]))), q)
 
 
 @arithmetic
