@@ -92,8 +92,9 @@ def normal_law(penetration, K, k):
 
     The one place of the law: kernels compile it, and what reads forces off states calls it as plain Python.
     """
-    F = K * penetration**k
-    return F * penetration / (k + 1.0), F, K * k * penetration ** (k - 1.0)
+    power = penetration ** (k - 1.0) if k != 1.0 else 1.0  # a power takes as long as a pair besides
+    F = K * penetration * power
+    return F * penetration / (k + 1.0), F, K * k * power
 
 
 @inlined
