@@ -48,6 +48,14 @@ def keep_bounds(history):
 
 
 @part
+def stick(history):
+    """Hold what touched first from there on: that it did so where it is predicted to needs no attempt."""
+    for m in range(history.shape[0]):
+        if history[m].fresh:
+            history[m].released = 0.0
+
+
+@part
 def touched_first(history):
     """The pairs that touched first in the substep at hand."""
     pairs, count = np.empty(history.shape[0], np.int64), 0

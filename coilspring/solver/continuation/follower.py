@@ -50,6 +50,7 @@ from coilspring.solver.equilibrium.newton import LINEAR
 from coilspring.solver.equilibrium.operations import put_prescribed
 from coilspring.solver.system import COMPLETED, CRITICAL, EXHAUSTED, NEW_PAIR
 
+KNOWN = 1e-4  # error of a predicted touch, over what is allowed: with less, it is where it is predicted to be
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
 CAREFUL = 2.0  # times the last substep, at most, where next to nothing is left of the stiffness
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
@@ -143,7 +144,7 @@ def plan(system, task, work, path, substep):
 def predict_trial(system, task, work, path, substep):
     """Predict the state; shorten the substep to where a pair is about to close, whose stiffness is not in
     the tangent."""
-    substep.shortened = False
+    substep.shortened = substep.located = False
     if path.snap.active or not task.predictor:
         copy(work.state, work.predicted)
         return
@@ -169,6 +170,7 @@ def predict_trial(system, task, work, path, substep):
         if error > task.located:
             left /= 1.0 + (task.located / error) ** (1.0 / order)
             substep.shortened = False  # nothing closes yet
+        substep.located = error < KNOWN * task.located
         substep.duration = min(max(left, LEAST_LEFT), substep.duration)
         substep.target = path.time + substep.duration
         predict(system, task, work, path, bend, substep.target)

@@ -14,6 +14,7 @@ from coilspring.solver.system import COMPLETED, CRITICAL, JUMP, STUCK, TURNED
 from coilspring.solver.tangential.friction import raise_bounds
 
 RETRIED = 0.5  # share of a substep, or release, that failed: it is tried next
+LEAST_LEFT = 1e-4  # share that a release leaves, over what was still to release where a pair touched again
 LEAST_GRAZING = 1e-7  # of the time 0..1: in less, a grazing pair moves by no more than it is located to
 
 
@@ -33,7 +34,7 @@ def shorten(system, task, work, path, substep):
             ends = JUMP  # to an equilibrium too far away; nothing is critical here
         path.snap.active, path.outcome, path.snap.far = False, ends, not path.lost
     elif path.release.active:
-        release_less(task, path)
+        release_less(task, path, substep.cut)
     else:
         go_less(task, work, path, substep)
         rigid = path.softest.value > RIGID * path.scale.stiffness  # it is no mode that has become soft
@@ -52,9 +53,14 @@ def shorten(system, task, work, path, substep):
 
 
 @part
-def release_less(task, path):
-    """Release less of what opening pairs hold; where that is too little, all at once, or the path jumps."""
+def release_less(task, path, cut):
+    """Release less of what opening pairs hold; where that is too little, all at once, or the path jumps.
+
+    Where a pair touches again after the share `cut` of it, no attempt that leaves much less is made.
+    """
     path.release.power = min(path.release.power, 2.0 * MOST_RELEASE) * RETRIED
+    while 2.0**-path.release.power < LEAST_LEFT * (1.0 - cut):
+        path.release.power *= RETRIED
     if path.release.power < LEAST_RELEASE:
         path.bracket = 2.0 * LEAST_STEP
         release_or_jump(task, path)

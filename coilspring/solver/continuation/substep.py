@@ -14,6 +14,7 @@ from coilspring.contact.history import (
     located,
     release,
     slides,
+    stick,
     stuck_from,
 )
 from coilspring.contact.kinematics import OVERLAP_ALLOWED
@@ -82,6 +83,8 @@ def find_equilibrium(system, equilibrium, task, work, path, substep, it):
         release(work.history, 2.0**-path.release.power if path.release.power <= MOST_RELEASE else 0.0)
     update_pairs(system, work, work.predicted)
     keep_bounds(work.history)
+    if substep.located:
+        stick(work.history)
     target = Target(
         work.state, path.least_gap, work.history, work.load, scale.reference * substep.target**2, precision,
         scale.reference * substep.duration**2, scale.rounding * loaded, scale.rounding,
@@ -143,7 +146,7 @@ def update_held(system, task, work, path, substep, before):
     change = update_pairs(system, work, work.trial)
     end = located(work.history)
     if end < 1.0 and can_shorten(path, substep, 2.0 * LEAST_STEP) and not path.snap.active:
-        substep.cut = min(max(end, LEAST_CUT), MOST_CUT)
+        substep.cut = min(max(end, LEAST_CUT), 1.0 if path.release.active else MOST_CUT)
         return 0.0
     left = 0.0
     if grazing(work.history):
