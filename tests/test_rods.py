@@ -11,6 +11,20 @@ from validation.verification.rodcases import line
 from wirefe.results.linear import tip_flexibility
 
 
+class Straight:
+    """A curve without a normal."""
+
+    def points(self, phi):
+        return np.outer(phi, [1.0, 0.0, 0.0])
+
+    def derivatives(self, phi):
+        return np.tile([1.0, 0.0, 0.0], (len(phi), 1)), np.zeros((len(phi), 3))
+
+
+HINGED = wirefe.straight_rod(line(1.0, 2), Section(1.0, 1.0, 1.0, 1.0)).holding(0, "ux", "uy", "uz")
+HINGED = HINGED.holding(-1, "uy", "uz").loaded(-1, force=(-1.0, 0.0, 0.0))  # it may spin about itself
+
+
 @pytest.mark.parametrize(
     ("rod", "half"),
     [(rodcases.rolling(8), (-10.0, 20.0 / np.pi, 0.0)), (rodcases.unrolling(4), (0.0, 20.0 / np.pi, 0.0))],
@@ -99,6 +113,23 @@ def test_scene_and_rod_are_one_model():
         (lambda rod: rod.holding(0, "up"), "dofs must be one of ux"),
         (lambda rod: wirefe.solve_rod(rod.holding(0)), "loads must not all be zero"),
         (lambda rod: wirefe.straight_rod(np.zeros((3, 3)), Section(1, 1, 1, 1)), "points must differ"),
+        (lambda rod: wirefe.straight_rod("abc", Section(1, 1, 1, 1)), "points must be numbers, got 'abc'"),
+        (
+            lambda rod: wirefe.straight_rod(line(1.0, 2), "x"),
+            "section must be a coilspring.scene.wire.Section",
+        ),
+        (
+            lambda rod: wirefe.straight_rod(line(1.0, 2), Section(-1, 1, 1, 1)),
+            r"section\.EA must be finite and a",
+        ),
+        (lambda rod: wirefe.curved_rod(spring_a().spring, [2.0, 1.0], Section(1, 1, 1, 1)), "rising numbers"),
+        (
+            lambda rod: wirefe.curved_rod(spring_a().spring, "x", Section(1, 1, 1, 1)),
+            "parameters must be num",
+        ),
+        (lambda rod: wirefe.curved_rod(Straight(), [0.0, 1.0], Section(1, 1, 1, 1)), "curve must be curved"),
+        (lambda rod: wirefe.solve_rod(rod.loaded(1, force=(1, 0, 0))), "held must leave no rigid motion"),
+        (lambda rod: wirefe.solve_rod(HINGED), "held must leave no rigid motion"),
         (lambda rod: wirefe.straight_rod(np.zeros((1, 3)), Section(1, 1, 1, 1)), "points must be finite"),
         (lambda rod: wirefe.solve_rod(rod.loaded(1, force=(1, 0, 0)), steps=0), "steps must be an integer"),
     ],
@@ -106,6 +137,28 @@ def test_scene_and_rod_are_one_model():
 def test_bad_rods(change, words):
     with pytest.raises(InputError, match=words):
         change(wirefe.straight_rod(line(1.0, 2), Section(1.0, 1.0, 1.0, 1.0)))
+
+
+@pytest.mark.parametrize("steps", [1, 5, 50])
+def test_a_moment_in_space_makes_no_claim_on_stability(steps):
+    """In its plane the end rolls up, exactly; free to leave it, the matrix is not definite, though the wire
+    is stable, and the path ended in a bifurcation or a limit point, where it did by the number of steps."""
+    section = round_section(2.0, Material())
+    rod = wirefe.straight_rod(line(100.0, 40), section).holding(0)
+    rod = rod.loaded(-1, moment=(0.0, 0.0, 0.04 * section.EI))
+    shorter = 100.0 * (np.sin(4.0) / 4.0 - 1.0)
+    path = wirefe.solve_rod(rod.in_plane(), steps=steps)
+    assert path.displacements(-1)[-1, 0] == pytest.approx(shorter, rel=1e-9)
+    assert "stable" not in path.message
+    with pytest.raises(EquilibriumNotFound) as caught:
+        wirefe.solve_rod(rod, steps=steps)
+    assert caught.value.outcome == "not_converged"
+    assert caught.value.critical_time is None
+    assert "though there may be one: the moment on node 40" in caught.value.message
+    with pytest.raises(EquilibriumNotFound, match="has no potential"):
+        wirefe.trace_rod(rod)
+    small = wirefe.solve_rod(rod.loaded(-1, moment=(0.0, 0.0, -0.03 * section.EI)), steps=steps)
+    assert "whether it is stable is not known" in small.message
 
 
 def test_what_is_no_rod_is_refused():

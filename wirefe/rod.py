@@ -53,8 +53,8 @@ class Rod:
     stiffness : (nodes - 1, 6, 6) of the elements at rest, see `wirefe.element.beam`.
     held : (nodes, 6) dofs that are held.
     loads : (nodes, 6) dead forces and moments at time 1. Moments keep their direction in space; in
-        space (not in a plane) such a load has no potential: equilibria are right, statements on
-        stability rest on the symmetric part of the tangent.
+        space (not in a plane) such a load has no potential, and the matrix is the symmetric part of the
+        tangent: equilibria are right, but may not be found, and nothing is said of their stability.
     second : (nodes - 1, 6, 36) second derivatives of the elements' deformation in the amplitudes of strains,
         see `wirefe.element.curved`; (0, 6, 36) of straight ones.
     """
@@ -72,6 +72,22 @@ class Rod:
         found = np.empty((len(self.triads), 6))
         deformations(at_rest(self.points).ravel(), np.zeros(3), self.triads, found)
         return found
+
+    @property
+    def twisted(self) -> int | None:
+        """The first node with a moment that has no potential, since it may turn about more than one axis."""
+        free = ~self.held[:, 3:]
+        found = np.flatnonzero((self.loads[:, 3:] * free).any(axis=1) & (free.sum(axis=1) > 1))
+        return int(found[0]) if found.size else None
+
+    @property
+    def stands(self) -> bool:
+        """Whether what is held leaves no rigid motion."""
+        x = (self.points - self.points.mean(axis=0)) / np.ptp(self.points, axis=0).max()
+        motions = np.zeros((*self.held.shape, 6))  # of each dof by a unit of each rigid motion
+        motions[:, range(6), range(6)] = 1.0
+        motions[:, :3, 3:] = np.cross(np.eye(3), x[:, None]).swapaxes(1, 2)
+        return bool(np.linalg.matrix_rank(motions[self.held]) == 6)
 
     def holding(self, node: int, *dofs: str) -> Rod:
         """With dofs of a node held; all six where none is named.
@@ -118,6 +134,7 @@ class Rod:
 def straight_rod(points: np.ndarray, section: Section) -> Rod:
     """Straight elements between points, shape (nodes, 3); rigid joints where they meet at an angle."""
     points = _checked(points)
+    _require_section(section)
     t, lengths = _chords(points)
     # The section is round: any second axis will do, here the one across the tangent and the coordinate axis
     # that is least along it.
@@ -154,7 +171,11 @@ def curved_rod(curve: Curve, parameters: np.ndarray, section: Section | Flexibil
     second order at a whole one. Instead of a section, a function of parameters gives the wire's
     flexibility per length there, (n, 6, 6) in Frenet's axes.
     """
-    phases = np.asarray(parameters, dtype=float)
+    phases = _numbers("parameters", parameters)
+    if phases.ndim != 1 or len(phases) < 2 or not (np.diff(phases) > 0.0).all():
+        raise InputError(f"parameters must be 2 or more rising numbers, got {shown(parameters)}")
+    if not callable(section):
+        _require_section(section)
     points = _checked(curve.points(phases))
     # at each end from within the element: the curve may have kinks between elements
     inset = KINK * np.abs(phases).max()
@@ -172,18 +193,38 @@ def curved_rod(curve: Curve, parameters: np.ndarray, section: Section | Flexibil
     return replace(rod, stiffness=0.5 * (K + np.swapaxes(K, 1, 2)), second=Q)
 
 
+def _require_section(section: object) -> None:
+    """Refuse what is no section, or one that resists nothing."""
+    if not isinstance(section, Section):
+        raise InputError(f"section must be a coilspring.scene.wire.Section, got {shown(section)}")
+    for name in ("EA", "GA", "GJ", "EI"):
+        values = _numbers(f"section.{name}", getattr(section, name))
+        if not (np.isfinite(values).all() and (values > 0.0).all()):
+            raise InputError(
+                f"section.{name} must be finite and above 0, got {shown(getattr(section, name))}"
+            )
+
+
 def _rod(points: np.ndarray, triads: np.ndarray, stiffness: np.ndarray) -> Rod:
     nodes = len(points)
     return Rod(points, triads, stiffness, np.zeros((nodes, 6), dtype=bool), np.zeros((nodes, 6)))
 
 
 def _checked(points: np.ndarray) -> np.ndarray:
-    points = np.asarray(points, dtype=float)
+    points = _numbers("points", points)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2 or not np.isfinite(points).all():
         raise InputError(f"points must be finite, of shape (2 or more, 3), got shape {points.shape}")
     if (np.linalg.norm(np.diff(points, axis=0), axis=1) == 0.0).any():
         raise InputError("points must differ from their neighbours, got two in one place")
     return points
+
+
+def _numbers(name: str, given: object) -> np.ndarray:
+    """An array of numbers; `InputError` for what is none."""
+    try:
+        return np.asarray(given, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} must be numbers, got {shown(given)}") from error
 
 
 def _chords(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -244,8 +285,10 @@ def section_flexibility(
 def frenet_frames(curve: Curve, phases: np.ndarray) -> np.ndarray:
     """Tangent, normal and binormal as columns, shape (len(phases), 3, 3)."""
     first, second = curve.derivatives(phases)
-    t = first / np.linalg.norm(first, axis=1)[:, None]
     b = cross_rows(first, second)
+    if not b.any(axis=1).all():
+        raise InputError("curve must be curved everywhere: a straight one has no normal; use straight_rod")
+    t = first / np.linalg.norm(first, axis=1)[:, None]
     b /= np.linalg.norm(b, axis=1)[:, None]
     return np.stack((t, cross_rows(b, t), b), axis=-1)
 
@@ -284,6 +327,25 @@ class RodPath:
         """Path from the model's states, shape (steps, n), and the other fields."""
         rows = states.reshape(len(states), len(rod.points), ROW)
         return cls(rod=rod, positions=rows[:, :, :3], rotations=rows[:, :, 3:], **fields)
+
+    def doubted(self) -> RodPath:
+        """The path, with what a moment without a potential leaves open: whether it is stable, and where it
+        ends before time 1, whether there is an equilibrium beyond."""
+        node = self.rod.twisted
+        if node is None:
+            return self
+        why = (
+            f"the moment on node {node}, which may turn about more than one axis, has no potential, and the "
+            "matrix is the symmetric part of the tangent"
+        )
+        if self.outcome == "completed":
+            return replace(self, message=f"{self.message}; whether it is stable is not known: {why}")
+        last = f"{self.times[-1]:.6g}" if len(self.times) else "0"
+        message = (
+            f"no equilibrium was found beyond time {last}, though there may be one: {why}; a wire that stays "
+            "in a plane is followed with in_plane()"
+        )
+        return replace(self, outcome="not_converged", message=message, critical_time=None)
 
     def displacements(self, node: int) -> np.ndarray:
         """Displacement of a node at the times reached, shape (steps, 3)."""

@@ -138,7 +138,7 @@ def solve_rod(rod: Rod, *, steps: int = 10) -> RodPath:
         critical_time=run.critical_time,
         residual_history=tuple(track.decrements[track.decrements > 0.0]),
         solve_seconds=run.solve_seconds,
-    )
+    ).doubted()
     if path.outcome != "completed":
         raise EquilibriumNotFound(path)
     return path
@@ -209,6 +209,8 @@ def require_mesh(element: str, elements_per_turn: int) -> None:
 
 def rod_problem(rod: Rod) -> Problem:
     """Problem of any wire."""
+    if not rod.stands:
+        raise InputError("held must leave no rigid motion, got dofs that hold the wire in part")
     if not rod.loads[~rod.held].any():
         raise InputError("loads must not all be zero or held, got none that does work")
     return _problem(model.rod_model(rod, np.zeros(3)), rod, np.zeros(3))

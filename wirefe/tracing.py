@@ -130,7 +130,7 @@ def trace_rod(rod: Rod, *, points: int = 200) -> RodPath:
         solve_seconds=cost.solve_seconds,
         outcome=outcome,
         message=message,
-    )
+    ).doubted()
     if not found.finished:
         raise EquilibriumNotFound(path)
     return path
