@@ -1,6 +1,7 @@
 """The deforming wire: a series of VTU files, a movie of it, and words where there is no window."""
 
 import errno
+import shutil
 import sys
 from dataclasses import replace
 
@@ -190,3 +191,10 @@ def test_what_cannot_be_shown_is_refused(run, tmp_path, capsys):
     (tmp_path / "wire.pvd").write_text("<VTKFile>", encoding="utf-8")
     assert main(["view", str(tmp_path), "--movie", str(tmp_path / "a.gif")]) == 2
     assert "is not a whole run" in capsys.readouterr().err
+    damaged = tmp_path / "damaged"
+    shutil.copytree(run, damaged)
+    first = next(iter(sorted(damaged.glob("**/*.vtu"))))
+    for content in (b"", b"x", first.read_bytes()[:2000]):
+        first.write_bytes(content)
+        assert main(["view", str(damaged), "--movie", str(tmp_path / "a.gif")]) == 2
+        assert "is not a whole run" in capsys.readouterr().err

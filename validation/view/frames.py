@@ -67,7 +67,8 @@ def of_run(folder: Path) -> Frames:
         ) from error
     try:
         sets = list(ElementTree.fromstring(series).iter("DataSet"))
-        meshes = [meshio.read(folder / each.attrib["file"], file_format="vtu") for each in sets]
+        # `meshio.read` would end the process at a damaged file
+        meshes = [meshio.vtu.read(folder / each.attrib["file"]) for each in sets]
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         steps = ((mesh.points, *(mesh.point_data[name] for name in READ)) for mesh in meshes)
         times = [float(each.attrib["timestep"]) for each in sets]
