@@ -163,6 +163,13 @@ def _look_ahead(table, n):
 
 
 @arithmetic
+def _near_unit(q):
+    """A quaternion whose length is off from 1 by rounding: what is left is its square."""
+    size = 1.5 - 0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    return size * q[0], size * q[1], size * q[2], size * q[3]
+
+
+@arithmetic
 def place(triads, arm, state, move, out):
     """Place all nodes in `out`, as if none were held but the first; see `beams` for `triads` and `arm`."""
     count, bends = len(triads), move.second != 0.0
@@ -185,7 +192,8 @@ def place(triads, arm, state, move, out):
         for n in range(wide(size)):
             _look_ahead(table, n)
         for n in range(size):
-            x, q = plus(x, 1.0, turned(q, get_three(table, AHEAD, n))), times(q, get_four(table, ROTATION, n))
+            x = plus(x, 1.0, turned(q, get_three(table, AHEAD, n)))
+            q = _near_unit(times(q, get_four(table, ROTATION, n)))
             _put(out, begin + n + 1, x, q)
     _put(out, count, plus(x, -1.0, turned(q, (arm[0], arm[1], arm[2]))), q)
 
