@@ -283,6 +283,8 @@ def test_the_difference_goes_as_far_as_both_over_the_peak_of_the_wire_model():
     assert nothing.lines()[-1] == "no step in common"
     assert nothing.lines()[-2] == "opensees ended early, after 0 of 4 steps, and does not say why"
     assert compared(4, 4).early == []
+    off = compared(4, 4, np.array([1.0, 1.001, 1.27]))
+    assert off.lines()[-1] == "difference over 4 common steps, of each one's peak: uy 0.1 %"  # no other moves
     assert "opensees: no step reached" in nothing.lines()[1]
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from types import ModuleType
+from typing import TypeVar
 
 import numpy as np
 
@@ -18,6 +19,7 @@ MISSING = (
     "apt-get install libblas3 liblapack3"
 )
 FREE = "frictionless in both codes, since springs without a history do not know when a pair closed"
+Value = TypeVar("Value")
 UNITS = {"ux": "mm", "uy": "mm", "force": "N", "rotz": "rad"}
 
 
@@ -36,8 +38,13 @@ class PeerComparison:
         return min(len(self.wire.times), len(self.peer.times))
 
     @property
+    def differences(self) -> dict[str, float]:
+        """Largest over steps of each answered component, over its peak in the wire model."""
+        return compare_curves(self.peer.curve, self.wire).component_max
+
+    @property
     def difference(self) -> float:
-        """Largest over steps and answered components, over the component's peak in the wire model."""
+        """The largest of them; not a number without a common step."""
         return compare_curves(self.peer.curve, self.wire).curve_max
 
     @property
@@ -53,9 +60,13 @@ class PeerComparison:
 
     def _named(self) -> list[tuple[str, dict[str, np.ndarray]]]:
         """Codes, and what they answer by names for a reader: UY that is prescribed is answered by a force."""
-        uy = "force" if self.scene.load.displacement else "uy"
         both = (("wirefe", Curve.of(self.wire).by_name), (self.peer.code, self.peer.curve.by_name))
-        return [(code, {uy if name == "uy" else name: found[name] for name in found}) for code, found in both]
+        return [(code, self._for_a_reader(found)) for code, found in both]
+
+    def _for_a_reader(self, found: dict[str, Value]) -> dict[str, Value]:
+        """What is found of components, by names for a reader."""
+        uy = "force" if self.scene.load.displacement else "uy"
+        return {uy if name == "uy" else name: value for name, value in found.items()}
 
     def csv(self) -> bytes:
         """Both curves, one row a step that either has reached."""
@@ -81,8 +92,9 @@ class PeerComparison:
         lines += self.early
         if not self.rows:
             return [*lines, "no step in common"]
-        share = f"{100.0 * self.difference:.2g} % of the curve's peak"
-        return [*lines, f"difference over {self.rows} common steps: {share}"]
+        found = self._for_a_reader(self.differences)
+        each = ", ".join(f"{name} {100.0 * share:.2g} %" for name, share in found.items())
+        return [*lines, f"difference over {self.rows} common steps, of each one's peak: {each}"]
 
 
 def compare(scene: Scene, peer: str) -> PeerComparison:
