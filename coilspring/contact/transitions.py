@@ -16,6 +16,7 @@ FINEST_GRAZING, MOST_PRESSED = 1e-12, 1e-6  # wire diameters: what rounding leav
 FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
 # Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
 STICK_LOCATED = 2e-6
+STICK_PREDICTED = 1e-2  # of that, the error of the prediction, which is no bound
 LOCATED = 1e-5  # and with friction
 
 
@@ -92,6 +93,12 @@ def located_to(mu):
     if mu == 0.0:
         return math.inf
     return LOCATED if mu < math.inf else STICK_LOCATED
+
+
+def predicted_to(mu):
+    """Wire diameters, to which a touch is predicted that is not looked for any more: pairs that stick are
+    held where they are predicted to touch, with no attempt that leaves them free."""
+    return located_to(mu) * (1.0 if mu < math.inf else STICK_PREDICTED)
 
 
 @inlined

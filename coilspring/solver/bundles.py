@@ -98,7 +98,7 @@ def system_types() -> tuple[Any, ...]:
 def task_type() -> Any:
     """numba's type of `Task`."""
     vector, real = types.float64[::1], types.float64
-    fields = (*(vector,) * 5, *(real,) * 5, types.int64, types.boolean, types.boolean)
+    fields = (*(vector,) * 5, *(real,) * 6, types.int64, types.boolean, types.boolean)
     return types.NamedTuple(fields, Task)
 
 

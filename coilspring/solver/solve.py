@@ -9,7 +9,7 @@ import numpy as np
 
 from coilspring.compiling.packing import pack
 from coilspring.contact.law import PAIR_HISTORY
-from coilspring.contact.transitions import located_to
+from coilspring.contact.transitions import located_to, predicted_to
 from coilspring.errors import EquilibriumNotFound
 from coilspring.path import EquilibriumPath, Shape
 from coilspring.scene import Scene
@@ -130,7 +130,7 @@ def follow_problem(
     arms = np.resize([1.0] * moves + [length] * turns, problem.load.size)
     task = Task(
         times, problem.load, dead, problem.start, arms, problem.span, length, located_to(law.mu) * law.d,
-        law.kc, law.k, limit, predictor, problem.modified,
+        predicted_to(law.mu) * law.d, law.kc, law.k, limit, predictor, problem.modified,
     )  # fmt: skip
     walk = Walk(problem, times)
     while True:

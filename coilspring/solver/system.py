@@ -53,6 +53,7 @@ class Task(NamedTuple):
     span: float  # largest coordinate at rest, mm, whose rounding is that of positions
     diameter: float  # wire diameter, mm: the length with which motions are compared
     located: float  # mm, so closely is found where pairs touch first; infinite where that is all one
+    predicted: float  # the error of a predicted touch that is not looked for any more, mm; or infinite
     penalty: float  # K and
     exponent: float  # k of a pair
     limit: int  # largest number of iterations of a substep

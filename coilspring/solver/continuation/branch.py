@@ -107,7 +107,9 @@ def continues(system, task, work, trouble, judged, small):
         whole, _, _ = displacement_bound(system, task.start, work.trial, np.inf)
         most = whole * (FRICTION_SHARE if has_friction(work.history) else STUCK_SHARE)
         least = max(least, turn / most) if most > 0.0 else least
-    return good, turn, min(share, TURN * least), distance, pair * task.diameter
+    sticks = task.predicted < task.located
+    error = 2.0 * turn if sticks and turn <= 0.5 * task.located else pair * task.diameter
+    return good, turn, min(share, TURN * least), distance, error
 
 
 @part

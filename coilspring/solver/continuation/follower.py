@@ -50,8 +50,9 @@ from coilspring.solver.equilibrium.newton import LINEAR
 from coilspring.solver.equilibrium.operations import put_prescribed
 from coilspring.solver.system import COMPLETED, CRITICAL, EXHAUSTED, NEW_PAIR
 
-KNOWN = 1e-4  # error of a predicted touch, over what is allowed: with less, it is where it is predicted to be
 LEAST_ERROR = 1e-3  # of a prediction, over what is allowed: less may be chance
+NEAREST = 0.03  # of the way to a touch that sticks, at least, is left for a better prediction
+AROUND = 0.03  # of that way, before and behind, is where a touch on the straight way is on the predicted one
 CAREFUL = 2.0  # times the last substep, at most, where next to nothing is left of the stiffness
 MOST_TRIES = 20_000  # equilibria besides those at requested times; far more than a path needs
 
@@ -163,17 +164,37 @@ def predict_trial(system, task, work, path, substep):
         predict(system, task, work, path, bend, substep.target)
     if free < 1.0:
         substep.shortened, substep.landing = True, False
-        left = free * substep.duration
-        # the first touch is found as exactly as the state is predicted
-        order = 2.0 + bend
-        error = max(path.error, LEAST_ERROR * task.located) * (left / path.last_step) ** order
-        if error > task.located:
-            left /= 1.0 + (task.located / error) ** (1.0 / order)
-            substep.shortened = False  # nothing closes yet
-        substep.located = error < KNOWN * task.located
+        left = time_to_touch(system, task, work, path, bend, substep, free * substep.duration)
         substep.duration = min(max(left, LEAST_LEFT), substep.duration)
         substep.target = path.time + substep.duration
         predict(system, task, work, path, bend, substep.target)
+
+
+@part
+def time_to_touch(system, task, work, path, bend, substep, left):
+    """Duration to the first touch, which on the straight way takes the time `left`; less where the prediction
+    does not tell what touches where: nearer to it, it does."""
+    if task.located == np.inf:
+        return left
+    sticks = task.predicted < task.located
+    order = 2.0 + bend
+    error = max(path.error, LEAST_ERROR * task.located) * (left / path.last_step) ** order
+    if error > task.predicted:
+        substep.shortened = False  # nothing closes yet
+        return left / (1.0 + max((task.predicted / error) ** (1.0 / order), NEAREST if sticks else 0.0))
+    substep.located = sticks
+    return touch_about(system, task, work, path, left) if sticks and bend > 0.0 else left
+
+
+@part
+def touch_about(system, task, work, path, left):
+    """Duration to the first touch on the predicted parabola, if it is about that on the straight way."""
+    around = AROUND * left
+    predict(system, task, work, path, 1.0, path.time + left - around)
+    copy(work.predicted, work.scratch)
+    predict(system, task, work, path, 1.0, path.time + left + around)
+    _, _, free = displacement_bound(system, work.scratch, work.predicted, 0.0)
+    return left + (2.0 * free - 1.0) * around if free < 1.0 else left
 
 
 @part
