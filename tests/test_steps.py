@@ -128,13 +128,13 @@ def test_pairs_that_move_too_far_are_seen_before_a_substep_is_solved():
 
 
 def test_what_touches_just_ahead_is_held_at_once():
-    """Sticking spheres: where the touch is known to the last digits, an attempt that leaves the pair free to
-    find it taught nothing (669 factorisations of these), nor did releases of all but 1e-6 and 1e-12 where one
-    of all had led to another touch."""
+    """Sticking spheres: where it is known what touches where, an attempt that leaves the pair free to find
+    that taught nothing (669 factorisations of these), nor did one to a touch on the straight way, where the
+    predicted one bends (591), or releases of all but 1e-6 and 1e-12 where one of all had led to another."""
     cone = load_scene("spring-b")
     loaded = [replace(cone, load=Load((0.0, -force))) for force in (150.0, 160.0, 170.0, 180.0, 190.0)]
     found = [wirefe.solve(scene, steps=1, element="curved", elements_per_turn=4) for scene in loaded]
-    assert sum(path.total_iterations for path in found) < 605
+    assert sum(path.total_iterations for path in found) < 490
 
 
 def random_case(name, seed, driven):
