@@ -14,9 +14,9 @@ GRAZING = 1e-9  # wire diameters of gap at most where a grazing pair is said to 
 PRESSED = 1e-6  # of the load at most by which it is pressed then (that adds up over substeps), between
 FINEST_GRAZING, MOST_PRESSED = 1e-12, 1e-6  # wire diameters: what rounding leaves, and the most
 FINEST = 1e-10  # wire diameters of slip, before which no pair reaches its bound
-# Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks,
+# Wire diameters, by which two ways to find where a pair touches first may differ at most: where it sticks
 STICK_LOCATED = 2e-6
-STICK_PREDICTED = 1e-2  # of that, the error of the prediction, which is no bound
+STICK_PREDICTED = 1e-2  # (share of that to which it is predicted, by an estimate that is no bound)
 LOCATED = 1e-5  # and with friction
 
 

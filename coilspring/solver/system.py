@@ -246,7 +246,7 @@ SUBSTEP = np.dtype(
         ("duration", "f8"),  # of time
         ("landing", "?"),  # on a requested time
         ("shortened", "?"),  # to where a pair is about to close
-        ("located", "?"),  # the pair that closes touches where it is predicted to, see `follower.KNOWN`
+        ("located", "?"),  # the pair that closes touches where it is predicted to, see `Task.predicted`
         ("near_critical", "?"),  # it approaches the predicted zero of the least stiffness
         ("near_overlap", "?"),  # it approaches the predicted overlap
         ("left", "f8"),  # of the least stiffness, over what counts as weak: below 1 where little is left

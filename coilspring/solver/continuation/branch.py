@@ -89,7 +89,7 @@ def small_turn(task, stiffness, tolerance):
 def continues(system, task, work, trouble, judged, small):
     """Whether the trial state continues the branch, as after turns of up to `small`, mm, at all; by how much
     the path turned, mm; as a share of the way, less where the turn is small; a bound on all motion; and how
-    far near pairs are from the prediction, mm."""
+    far near pairs are from the prediction, mm: where pairs stick and that is little, a bound."""
     # no pair moves by more than its two ends do
     distance, pair, _ = displacement_bound(system, work.state, work.trial, 0.5 * PAIR_MOTION * task.diameter)
     if pair > PAIR_MOTION:

@@ -173,7 +173,7 @@ def predict_trial(system, task, work, path, substep):
 @part
 def time_to_touch(system, task, work, path, bend, substep, left):
     """Duration to the first touch, which on the straight way takes the time `left`; less where the prediction
-    does not tell what touches where: nearer to it, it does."""
+    does not tell what touches where: nearer to it, it does. Notes in `substep` which of the two it is."""
     if task.located == np.inf:
         return left
     sticks = task.predicted < task.located
@@ -188,7 +188,8 @@ def time_to_touch(system, task, work, path, bend, substep, left):
 
 @part
 def touch_about(system, task, work, path, left):
-    """Duration to the first touch on the predicted parabola, if it is about that on the straight way."""
+    """Duration to the first touch on the predicted parabola, if it is about that on the straight way, `left`;
+    else that. `work.predicted` and `work.scratch` are overwritten."""
     around = AROUND * left
     predict(system, task, work, path, 1.0, path.time + left - around)
     copy(work.predicted, work.scratch)
