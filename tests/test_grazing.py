@@ -311,11 +311,22 @@ def test_a_sticking_pair_that_is_about_to_open_lets_go():
 
 
 @pytest.mark.usefixtures("first_order_elements")
-@pytest.mark.parametrize("steps", [50, 100, 200, 400])
-def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to(steps):
+@pytest.mark.xfail(strict=True, reason="said from 0.5414 on; in 50 steps not at all, in 400 from 0.5425 on")
+def test_a_pair_that_has_just_touched_does_not_open_by_what_it_is_located_to():
     """It touched in the substep at hand, and was open by less than 2e-6 d at its end. Released there, it
-    grazed and could stick as well, unlike its twin at the other end: the path said so from 0.5329 on. Of
-    another pair, which lets go at 0.5419, it may be said, from the state before."""
+    grazed and could stick as well, unlike its twin at the other end: the path said so from 0.5329 on."""
+    assert reached(make_case("w00441", 116), steps=100).undecided_time is None
+
+
+@pytest.mark.usefixtures("first_order_elements")
+def test_what_a_pair_that_has_just_touched_could_hold_is_not_told_before_another_lets_go():
+    """That is at 0.5419; the path said so from 0.5329 on."""
+    assert reached(make_case("w00441", 116), steps=400).undecided_time > 0.5419
+
+
+@pytest.mark.usefixtures("first_order_elements")
+@pytest.mark.parametrize("steps", [50, 100, 200])
+def test_it_is_not_told_earlier_than_from_the_state_before_in_fewer_steps(steps):
     told = reached(make_case("w00441", 116), steps=steps).undecided_time
     assert told is None or told >= 0.54
 
@@ -346,7 +357,7 @@ def test_slip_and_work_are_those_the_path_goes_on_with():
     path = reached(case, under(case.scene, 0.3), steps=100)
     history, friction = path.histories, path.friction
     grazing = history["grazes"][:-1] & history["closed"][1:] & (history["ahead"][:-1] != 0.0)
-    # where a pair touches, and for two rows from there on, there are more substeps
+    # where a pair touches, and for two rows from there on, there are more substeps: 11 and 2; 17, 4 and 2
     changed = np.any(history["closed"][:-1] != history["closed"][1:], axis=1)
     grazing[np.convolve(changed, np.ones(3))[: len(changed)] > 0.0] = False
     assert np.count_nonzero(grazing) > 40
